@@ -128,14 +128,13 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
     A text that begins like one gets an apostrophe before it, which spreadsheets do not show.
     """
 
-    def cell(value: object) -> object:
-        formula = isinstance(value, str) and value.lstrip().startswith(("=", "+", "-", "@"))
-        return f"'{value}" if formula else value
+    def cell(value: str) -> str:
+        return f"'{value}" if value.lstrip().startswith(("=", "+", "-", "@")) else value
 
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(header)
-        writer.writerows([cell(value) for value in row] for row in rows)
+        writer.writerows([cell(v) if isinstance(v, str) else v for v in row] for row in rows)
 
 
 class _NeverFull(io.RawIOBase):

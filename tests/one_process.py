@@ -1,5 +1,7 @@
 """A study in the process of its test, which can see what happens and stand in for parts of it."""
 
+import math
+
 from compass.study.stages import evaluate
 
 
@@ -11,7 +13,7 @@ class OneProcess:
     def __init__(self, study):
         self._study = study
 
-    def run(self, stage, batches):
+    def run(self, stage, batches, until=math.inf):
         for rows in batches:
             yield rows, evaluate(stage, self._study, rows)
 

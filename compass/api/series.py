@@ -13,7 +13,7 @@ from compass.api.given import given_fold, given_places, given_site, in_metres, j
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.contacts.gaps import GapStatistics, ages, gap_statistics
-from compass.contacts.spans import at_least
+from compass.contacts.spans import at_least, fewest
 from compass.contacts.survey import survey
 from compass.conventions import dated, epoch_text
 from compass.coverage.errors import ERRORS
@@ -66,6 +66,8 @@ class SeriesResult(Result):
         How the satellites move, in words.
     gaps
         By station: when fewer are in view, found by rise and set.
+    fewest
+        By station: in view at any time, likewise.
     dataset
         Count and dilutions over station and time.
     errors
@@ -83,6 +85,7 @@ class SeriesResult(Result):
     start_day: float
     motion: str
     gaps: dict[str, GapStatistics]
+    fewest: dict[str, int]
     dataset: "xr.Dataset" = field(repr=False)
     errors: "xr.Dataset | None" = field(repr=False, default=None)
     beam_deg: float | None = None
@@ -98,7 +101,7 @@ class SeriesResult(Result):
         """Numbers of every station; dilutions may be infinite."""
         found = []
         for name, gaps in self.gaps.items():
-            seen, drawn = self.dataset.sel(station=name), self.drawn.sel(station=name)
+            drawn = self.drawn.sel(station=name)
             dilutions: dict[str, Any] = {}
             for dop in ("gdop", "pdop"):
                 known = percentiles(drawn[dop].values, (95,))
@@ -106,7 +109,7 @@ class SeriesResult(Result):
             found.append(
                 {
                     "station": name,
-                    "fewest": int(min(of["count"].min() for of in (seen, drawn))),
+                    "fewest": self.fewest[name],
                     "share": gaps.share,
                     "gaps": gaps.count,
                     "cut": gaps.cut,
@@ -124,7 +127,7 @@ class SeriesResult(Result):
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         known = self.evidence()
-        gaps = dict.fromkeys(("share", "p95_gap_h"), known["gaps"])
+        gaps = dict.fromkeys(("fewest", "share", "p95_gap_h"), known["gaps"])
         drawn = dict.fromkeys(("gdop_p95", "pdop_p95", *ERRORS, *SHARES), known["drawn"])
         return plain(
             {
@@ -167,7 +170,6 @@ class SeriesResult(Result):
 
     def evidence(self) -> dict[str, str]:
         """How well the numbers of a station are known: of gaps, and at the moments looked at."""
-        epochs = self.dataset.sizes["time"]
         moments = (
             {}
             if self.errors is None
@@ -180,10 +182,6 @@ class SeriesResult(Result):
             "gaps": f"by rise and set, to {WINDOWS_GOOD_TO}; of this span alone",
             "drawn": f"{Interval.WORDS}, each by itself: {self.drawn.sizes['time']:,} random "
             "moments of the span",
-            "fewest": (
-                f"sampled at these and at {epochs} moments, {86400 * self.days / epochs:.4g} s "
-                "apart: what lies between is not seen"
-            ),
         }
 
     def document(self) -> Page:
@@ -197,11 +195,10 @@ class SeriesResult(Result):
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
         known = self.evidence()
         how = (
-            f"{self.motion}; gaps {known['gaps']}, each station over its own "
+            f"{self.motion}; gaps and fewest in view {known['gaps']}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside; "
             "data are as old in the mean as the mean response is long. "
-            f"Dilutions: {known['drawn']}; infinite with fewer than four in view, and that counts. "
-            f"Fewest in view are {known['fewest']}"
+            f"Dilutions: {known['drawn']}; infinite with fewer than four in view, and that counts"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
         return Page(self.design.name, (*blocks, Sentence(how), *self.error_blocks()))
@@ -381,7 +378,7 @@ def series(
     days, start_day
         For so many days, from a day after the epoch on.
     epochs
-        Moments that are kept, for pictures and files, and tell the fewest in view.
+        Moments that are kept, for pictures and files.
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
 
@@ -418,18 +415,15 @@ def series(
         options["model"] = moving.model
     else:
         options["path"] = moving.trajectory(c, start, start + duration)
-    covered = {}
+    covered, least = {}, {}
     if sites:
         found = survey(c, sites, duration, figure=read.figure, **options)
         whole = np.array([[0.0, duration]])
-        covered = {
-            site.name: at_least(
-                wanted,
-                [w.spans for w in found.of(site.name)]
-                + [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)],
-            )
-            for site in sites
-        }
+        for site in sites:
+            seen = [w.spans for w in found.of(site.name)]
+            seen += [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)]
+            covered[site.name] = at_least(wanted, seen)
+            least[site.name] = fewest(seen, duration)
     gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
     since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
@@ -460,6 +454,7 @@ def series(
         start_day=start_day,
         motion=moving.title,
         gaps=gaps,
+        fewest=least,
         dataset=made,
         errors=errors,
         beam_deg=beam_deg,

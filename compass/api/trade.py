@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, merits_of
 from compass.saving import check_writable
 from compass.study.area_figures import BETWEEN, area_columns, shown_areas
-from compass.study.bounds import bounded_figures
+from compass.study.bounds import bracketed_figures, limited_figures
 from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
@@ -87,8 +88,9 @@ class TradeResult(Result):
 
     @property
     def holds(self) -> bool:
-        """Whether there is a front and no candidate was left out."""
-        return bool(self.front) and not self.summary.unfinished
+        """Whether there is a front, and all candidates were looked at."""
+        left = self.summary.unfinished or self.dataset.attrs["waiting"]
+        return bool(self.front) and not left
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -106,6 +108,8 @@ class TradeResult(Result):
                 "seconds": s.seconds,
                 "feasible": self.feasible,
                 "bounded": s.bounded,
+                "over": s.over,
+                "waiting": int(self.dataset.attrs["waiting"]),
                 "straddling": int(self.dataset.straddling.sum()),
                 "requirements": [wanted.claim for wanted in self.study.requirements],
                 "front": self.front,
@@ -165,7 +169,7 @@ class TradeResult(Result):
     @property
     def _bracketed(self) -> list[str]:
         """Figures of those that may be of the front that lie between proven bounds."""
-        return bounded_figures(self.study) if self.summary.bounded else []
+        return bracketed_figures(self.study) if self.summary.bounded else []
 
     @property
     def _shares(self) -> list[str]:
@@ -187,11 +191,15 @@ class TradeResult(Result):
         if everywhere := [name for name in bounded if name not in BETWEEN]:
             titles = ", ".join(MERITS[name].title for name in everywhere)
             said.append(f"between proven bounds, everywhere and for all time: {titles}")
+        told = [name for name in limited_figures(self.study) if name not in bounded]
+        if told and self.summary.bounded:
+            titles = ", ".join(MERITS[name].title for name in told)
+            said.append(f"sampled, but on which side of its limit by proven bounds: {titles}")
         if self._areas:
             said.append(f"at sites and in regions: {AREAS_KNOWN}")
         if drawn := self._drawn():
             said.append(f"more was drawn of {drawn}")
-        said.append(front_known(self.study, sum(not row["decided"] for row in front)))
+        said.append(front_known(self.study, self.dataset))
         rest = [name for name in (*front[0], *self.study.named) if name not in bounded]
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
@@ -236,6 +244,13 @@ class TradeResult(Result):
                 "little memory; the same command tries them again:\n  "
                 + "\n  ".join(s.lethal + more)
             )
+        if s.over:
+            notes.append(
+                f"the time allowed was over during stage {s.over}; what was begun of a candidate "
+                "is not kept, and the same command goes on from what is stored"
+            )
+        if (waiting := int(self.dataset.attrs["waiting"])) > s.unfinished:
+            notes.append(f"{counted(waiting, 'candidate')} not looked at to the end so far")
         if open_ := int(self.dataset.straddling.sum()):
             notes.append(
                 f"of {counted(open_, 'candidate')} it is not decided within the budget "
@@ -353,9 +368,9 @@ def trade(
     output
         Folder of the store; by default ``trades/`` and the name of the file.
     budget_s
-        Seconds in which bounds of geometry are brought nearer than they are by default, where they
-        leave open who is on the front or meets a limit; a candidate that has been begun is ended.
-        What they come to is stored, and the next run goes on from there.
+        Seconds after which the run ends, wherever it is; the next goes on from what is stored.
+        What the default leaves of them brings bounds nearer, where it is still open who is on the
+        front or meets a limit. By default the run takes as long as it takes.
     workers
         Processes on this machine; by default one a core.
     scheduler
@@ -381,6 +396,7 @@ def trade(
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
+    began = monotonic()
     check_all_allowed(budget_s=budget_s)
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = given_study(study)
@@ -402,7 +418,8 @@ def trade(
             check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
-            summary = run_trade(read, store, team, bars, budget_s or 0.0)
+            left = None if budget_s is None else max(budget_s - (monotonic() - began), 0.0)
+            summary = run_trade(read, store, team, bars, left)
         finally:
             team.close()
         results = results_of(read, store.batches, store.path)

@@ -187,7 +187,7 @@ COMMANDS = {
 
         Every finished batch is stored at once; the same command resumes a run that was killed.
         Exit status 1 if no candidate meets every constraint and has a value for every objective,
-        or workers died of some.
+        or some were not looked at: workers died of them, or the time allowed was over.
         """,
     ),
     "version": (

@@ -291,7 +291,7 @@ OPTIONS: dict[str, Told] = {
     "series.output": output("Write counts and dilutions over time", ENDINGS["series"]),
     "series.picture": output("PNG curve to draw."),
     "trade.budget_s": real(
-        "Seconds to bring bounds nearer in, where they leave open who is on the front."
+        "Seconds after which the run ends; what the default leaves of them brings bounds nearer."
     ),
     "trade.output": path("Folder of the store; by default trades/NAME-OF-THE-FILE."),
     "trade.workers": whole("Processes on this machine; by default one a core."),

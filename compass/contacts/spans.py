@@ -4,6 +4,7 @@ A set is an array of starts and ends, shape (n, 2), seconds, in order and not ov
 """
 
 from collections.abc import Sequence
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,11 @@ def at_least(k: int, sets: Sequence[Spans]) -> Spans:
     ends = np.flatnonzero(~inside & np.concatenate([[False], inside[:-1]]))
     spans = np.stack([times[begins], times[ends]], axis=1)
     return spans[spans[:, 1] > spans[:, 0]]
+
+
+def fewest(sets: Sequence[Spans], duration: float) -> int:
+    """Return how many of the sets cover every moment from 0 to `duration` at least."""
+    return next(k for k in count() if outside(at_least(k + 1, sets), duration).size)
 
 
 def any_of(sets: Sequence[Spans]) -> Spans:

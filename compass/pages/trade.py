@@ -34,7 +34,7 @@ from compass.pages.trade_pictures import (
 from compass.quantities import Quantity, quantity
 from compass.quantities.merits import MERITS, STAGES
 from compass.study.area_figures import shown_areas
-from compass.study.bounds import bounded_figures, bracketed_figures, ends
+from compass.study.bounds import bracketed_figures, ends, limited_figures
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.clocks import errors_by_clock
@@ -205,18 +205,21 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
         "None is better than one of the first front in an objective and as good in all others; "
         "one of the front need not be the best in any two of them alone."
     )
-    rest = [name for name in known_figures(study) if name not in bounded_figures(study)]
+    bounded = [name for name in bracketed_figures(study) if name in MERITS]
+    rest = [name for name in known_figures(study) if name not in bounded]
     if how := sampled_over(study, rest):
         text += f" Sampled: {how}; what differs by less than another sampling would has no order."
-    if bounded := bounded_figures(study):
+    if bounded:
         titles = ", ".join(MERITS[name].title for name in bounded)
         text += (
             f" Of those that may be of the front, {titles} lie between proven bounds, for all "
             "time, brought as near as it takes to tell who is, and who keeps a limit. Bars show "
             "the bounds."
         )
-    known = front_known(study, int((~front.decided.values).sum()))
-    text += f" {capital(known)}."
+    if told := [name for name in limited_figures(study) if name not in bounded]:
+        titles = ", ".join(MERITS[name].title for name in told)
+        text += f" On which side of its limit {titles} is, is told by proven bounds."
+    text += f" {capital(front_known(study, results))}."
     return arranged("Pareto fronts", (text,), pictures, (table,))
 
 

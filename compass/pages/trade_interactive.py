@@ -94,12 +94,11 @@ def interactive_front(
 
 def beside(study: Study, results: "xr.Dataset", chosen: Sequence[Finalist]) -> str:
     """What to know beside a front: which is recommended, how sure it is, what the bars are."""
-    known = front_known(study, int((~results.decided.values & (results.front.values == 0)).sum()))
     bars = any(doubt(one, name) for one in chosen for name in one.errors)
     return (
         "Ringed: the recommended one."
         + " Bars: how far another sampling may move it." * bars
-        + f" {capital(known)}."
+        + f" {capital(front_known(study, results))}."
     )
 
 

@@ -1,14 +1,15 @@
 """Proven bounds of the geometry of candidates: only as near as it takes to decide their order."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.coverage.areas import Near
-from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
+from compass.coverage.certified_percentile import BESIDE, certified_percentile
 from compass.coverage.certified_question import Asked
-from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_share import certified_share
 from compass.coverage.certified_zone import certified_worst_zone
 from compass.coverage.grid import make_grid
 from compass.coverage.region import Region, latitude_band
@@ -32,6 +33,9 @@ BOUNDED: dict[str, tuple[str, float | None]] = {
     "availability": ("pdop", None),
 }
 
+
+#: How near shares come that are only compared.
+ANY = 0.2
 
 #: One after the other, each for those that the one before leaves undecided. Boxes and not seconds
 #: end them, so that any machine and any number of workers come to the same order.
@@ -75,10 +79,19 @@ def bounded_figures(study: Study) -> list[str]:
 
 
 def bracketed_figures(study: Study) -> list[str]:
-    """Figures whose bounds candidates may have: those bounded, of areas all, and shares."""
+    """Figures whose bounds say where they are: those sorted by, of areas all, and shares.
+
+    Of those only limited it is told on which side they are, and their value is sampled.
+    """
     shares = [name for name in study.named if ends(name)[0] == name]
     areas = BETWEEN if "areas" in study.stages else ()
-    return [*dict.fromkeys([*bounded_figures(study), *areas]), *sorted(shares)]
+    nearer = [name for name in bounded_figures(study) if name in BETWEEN or _sorts(study, name)]
+    return [*dict.fromkeys([*nearer, *areas]), *sorted(shares)]
+
+
+def _sorts(study: Study, figure: str) -> bool:
+    """Whether the study sorts by a figure."""
+    return figure in {objective.figure for objective in study.objectives}
 
 
 def limited_figures(study: Study) -> list[str]:
@@ -91,10 +104,12 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
 
     For all area and all time, on the study's figure; a share holds whatever the turn of Mars.
     The search for them begins at what is sampled, and a limit of the study's between them is
-    looked at itself.
+    looked at itself. What is only limited comes first: of one that breaks a limit for sure, what
+    the study sorts by is not looked for.
     """
     found = {name: np.full(rows.size, np.nan) for name in bound_columns(study, level)}
     everywhere = [figure for figure in bounded_figures(study) if figure in BOUNDED]
+    everywhere.sort(key=lambda figure: _sorts(study, figure))
     areas = _nearer(study, level)
     sampled = map_figures(study, rows) if everywhere else {}
     for k, row in enumerate(rows):
@@ -102,9 +117,12 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
         mask = Mask.constant(float(np.radians(row["mask_deg"])))
         for figure in everywhere:
             asked: Asked = {"dop": BOUNDED[figure][0], "figure": study.figure, "mask": mask}
-            known = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
-            low, high = ends(figure)
-            found[low][k], found[high][k] = known.low, known.high
+            pair = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
+            for end, bound in zip(ends(figure), pair, strict=True):
+                found[end][k] = bound
+            limits = [limit for limit in study.constraints if limit.figure == figure]
+            if not all(any(map(limit.holds, pair)) for limit in limits):
+                break
         for figure, pair in area_bounds(study, row, areas, level).items() if areas else ():
             for end, bound in zip(ends(figure), pair, strict=True):
                 found[end][k] = bound
@@ -113,38 +131,54 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
 
 def _bound(
     level: Near, study: Study, figure: str, sampled: float, pattern: Constellation, asked: Asked
-) -> CertifiedShare | CertifiedPercentile:
+) -> tuple[float, float]:
     """Bounds of one figure of one candidate."""
     percent, limits = BOUNDED[figure][1], _limits(study, figure)
-    if percent is not None and figure == ZONE:
-        return certified_worst_zone(
+    if percent is None:
+        width = level.width if _sorts(study, figure) else ANY
+        share = certified_share(
             pattern,
-            percent,
-            _zones(study),
-            guess=sampled,
-            precision=level.precision,
+            study.map.pdop_max,
+            width=width,
             budget_boxes=level.boxes,
-            limits=limits,
+            against=limits,
             **asked,
         )
-    if percent is not None:
-        return certified_percentile(
-            pattern,
-            percent,
-            guess=sampled,
-            precision=level.precision,
-            budget_boxes=level.boxes,
-            limits=limits,
-            **asked,
-        )
-    return certified_share(
-        pattern,
-        study.map.pdop_max,
-        width=level.width,
-        budget_boxes=level.boxes,
-        against=limits,
-        **asked,
-    )
+        return share.low, share.high
+    if figure != ZONE and not _sorts(study, figure):
+        return _beside(level, limits, percent, sampled, pattern, asked)
+    options: dict[str, Any] = {
+        "guess": sampled, "precision": level.precision, "budget_boxes": level.boxes,
+        "limits": limits,
+    }  # fmt: skip
+    if figure == ZONE:
+        found = certified_worst_zone(pattern, percent, _zones(study), **options, **asked)
+    else:
+        found = certified_percentile(pattern, percent, **options, **asked)
+    return found.low, found.high
+
+
+def _beside(
+    level: Near,
+    limits: list[float],
+    percent: float,
+    sampled: float,
+    pattern: Constellation,
+    asked: Asked,
+) -> tuple[float, float]:
+    """Bounds of a percentile that say on which side of some limits it is, and no more."""
+    low, high, part = 0.0, np.inf, percent / 100.0
+    for limit in limits:
+        # a bound that is the limit itself does not tell whether it is below or at most that
+        sides = [limit * (1.0 - BESIDE), limit * (1.0 + BESIDE)]
+        for at in sides if sampled < limit else sides[::-1]:
+            if low < at < high:
+                share = certified_share(
+                    pattern, at, width=ANY, budget_boxes=level.boxes, against=[part], **asked
+                )
+                low = at if share.high < part else low
+                high = at if share.low >= part else high
+    return low, high
 
 
 def _zones(study: Study) -> list[Region]:

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from math import inf
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -232,8 +233,10 @@ class Cluster:
         if found.get("type") != "Scheduler":
             raise ArgumentError(f"{self._option}: a Dask {found.get('type')}, not a scheduler")
 
-    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[tuple[NDArray, Any]]:
-        """As `Workers.run`.
+    def run(
+        self, stage: str, batches: Iterable[NDArray], until: float = inf
+    ) -> Iterator[tuple[NDArray, Any]]:
+        """As `Workers.run`; a machine ends what it has begun, and nobody asks for it.
 
         Raises
         ------
@@ -250,8 +253,8 @@ class Cluster:
             flying[future.key] = future, rows
             future.add_done_callback(done.put)
 
-        while True:
-            if time.monotonic() - self._looked > WATCH:
+        while (now := time.monotonic()) < until:
+            if now - self._looked > WATCH:
                 self._look()
             while len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None:
                 fly(rows)
@@ -261,7 +264,7 @@ class Cluster:
             if not flying:
                 return
             try:
-                future = done.get(timeout=WATCH)
+                future = done.get(timeout=min(WATCH, until - now))
                 found = self._result(future)
             except queue.Empty:
                 continue
@@ -274,6 +277,7 @@ class Cluster:
                     suspects += [rows[k : k + 1] for k in range(rows.size)]
                 else:
                     yield rows, found
+        self._client.cancel([future for future, _ in flying.values()])
 
     def _submit(self, stage: str, rows: NDArray) -> Any:
         from distributed.client import ClosedClientError

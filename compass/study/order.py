@@ -36,7 +36,8 @@ class Order:
     decided
         Whether bounds and exact figures tell that it is of the front, or that it is not: for sure
         where they are proven, each in 95 of 100 cases where they are of draws. Where the study
-        names a figure that is sampled without bounds, only what breaks another limit is.
+        names a figure that is sampled without bounds, only what breaks another limit is. One
+        whose bounds are not found yet may be anywhere.
     open
         Whose bounds have to come nearer to decide what is not.
     """
@@ -67,23 +68,37 @@ def order_of(study: Study, figures: Figures, known: NDArray[np.bool_]) -> Order:
         straddling |= known & (one != other)
         feasible &= one & other
     straddling &= may_hold(study.constraints, figures)
-    sides = [(o.sign * np.stack(interval(figures, o.figure)))[:: o.sign] for o in study.objectives]
-    low, high = (np.column_stack([pair[k] for pair in sides]) for k in (0, 1))
+    vague = not_bounded(study, figures, [c.figure for c in study.constraints])
+    keeps = np.column_stack([known, *(may_hold([c], figures) for c in study.constraints)])
+    keeps[:, 1:] |= vague
+    sampled = keeps.all(axis=1) & vague.any(axis=1)
+    low, high = _sides(study, figures)
     chosen = np.flatnonzero(feasible & ~np.isnan(low).any(axis=1))
     front = np.full(known.size, -1)
     front[chosen] = fronts(low[chosen], high[chosen])
-    decided, open_ = np.array(~straddling), np.array(straddling)
+    decided, open_ = ~(straddling | sampled), straddling | sampled
     first = np.flatnonzero(front == 0)
-    # who straddles a limit may keep it, and then beat one of the front
-    rivals = np.concatenate([first, np.flatnonzero(straddling)])
+    anywhere = not_bounded(study, figures, [o.figure for o in study.objectives])
+    low, high = np.where(anywhere, -np.inf, low), np.where(anywhere, np.inf, high)
+    # who straddles a limit, or is behind by samples, may keep it or be ahead after all
+    behind = (feasible & anywhere.any(axis=1) & (front > 0)) | straddling | (sampled & ~feasible)
+    rivals = np.concatenate([first, np.flatnonzero(behind)])
     beats = may_beat(low[rivals], high[first])
     unsure, may = beats.any(axis=0), beats[: first.size].any(axis=1)
-    decided[first] = ~unsure
-    if sampled := rests_on_samples(study):
-        decided &= ~may_hold([c for c in study.constraints if c.figure not in sampled], figures)
+    decided[first] &= ~unsure
+    if by_samples := rests_on_samples(study):
+        others = [c for c in study.constraints if c.figure not in by_samples]
+        decided &= ~may_hold(others, figures)
     wide = np.array((low < high).any(axis=1))
     open_[first] |= (unsure | may) & wide[first]
     return Order(feasible, straddling, front, decided, open_)
+
+
+def _sides(study: Study, figures: Figures) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Bounds of the objectives, the smaller the better, shape (n, objectives) each."""
+    pairs = [o.sign * np.stack(interval(figures, o.figure))[:: o.sign] for o in study.objectives]
+    low, high = np.stack(pairs, axis=-1)
+    return low, high
 
 
 def interval(figures: Figures, figure: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -94,6 +109,15 @@ def interval(figures: Figures, figure: str) -> tuple[NDArray[np.float64], NDArra
         return value, value
     known = ~np.isnan(figures[low])
     return np.where(known, figures[low], value), np.where(known, figures[high], value)
+
+
+def not_bounded(study: Study, figures: Figures, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Which of some figures of candidates have bounds that are not found yet, shape (n, names)."""
+    size = next(iter(figures.values())).size
+    asked = [*bounded_figures(study), *drawn_figures(study)]
+    absent = np.full(size, np.nan)
+    columns = [np.isnan(figures.get(ends(name)[0], absent)) & (name in asked) for name in names]
+    return np.array(columns, dtype=bool).reshape(-1, size).T
 
 
 def may_hold(constraints: Iterable[Constraint], figures: Figures) -> NDArray[np.bool_]:
@@ -155,17 +179,34 @@ def settle(
                 continue
             # what a run that was stopped has found of later levels plays no role: it ends alike
             known = figures(rows, gone)
-            going = order_of(study, known, everyone).open & _is_wide(known, own)
-            if level in list(LEVELS)[:1]:
-                going = everyone
-            elif level in list(DRAWS)[:1]:
+            going = asked_nearer(study, known, order_of(study, known, everyone), own)
+            if level in (*list(LEVELS)[:1], *list(DRAWS)[:1]):
                 going |= np.any([np.isnan(known[ends(figure)[0]]) for figure in own], axis=0)
             if going.any():
                 refine(level, rows[going])
             gone.append(level)
 
 
-def _is_wide(figures: Figures, names: Iterable[str]) -> NDArray[np.bool_]:
-    """Whether any of some figures lies between bounds that are apart, shape (n,)."""
-    pairs = [interval(figures, name) for name in names]
-    return np.any([low < high for low, high in pairs], axis=0)
+def asked_nearer(
+    study: Study, figures: Figures, order: Order, names: Sequence[str]
+) -> NDArray[np.bool_]:
+    """Whose bounds of some figures may decide what is open if they come nearer, shape (n,).
+
+    Of a limit, where they are on either side; of an objective, where of two of which one may beat
+    the other it is open by that objective which is ahead.
+    """
+    found = np.zeros(order.open.size, dtype=bool)
+    for constraint in study.constraints:
+        if constraint.figure in names:
+            one, other = (constraint.holds(end) for end in interval(figures, constraint.figure))
+            found |= order.straddling & (one != other)
+    some = np.flatnonzero(order.open)
+    low, high = (side[some] for side in _sides(study, figures))
+    beats = may_beat(low, high)
+    for column, objective in enumerate(study.objectives):
+        if objective.figure in names:
+            a, b = low[:, column], high[:, column]
+            unsure = beats & (b[:, np.newaxis] > a) & (a[:, np.newaxis] < b)
+            wide = a < b
+            found[some] |= wide & (unsure.any(axis=0) | unsure.any(axis=1))
+    return found

@@ -1,6 +1,7 @@
 """All that a store holds, as one dataset over the candidates; and the best of them."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +16,10 @@ from compass.quantities import quantity
 from compass.quantities.merits import MERITS, STAGES, merits_of
 from compass.study.area_figures import BETWEEN, area_columns
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
-from compass.study.candidates import PATTERNS, ROW, identities
+from compass.study.candidates import PATTERNS, ROW, candidates, identities
 from compass.study.clocks import clock_columns
 from compass.study.draw_bounds import drawn_figures, side_columns
-from compass.study.order import order_of
+from compass.study.order import may_hold, order_of
 from compass.study.record import Batch
 from compass.study.requirement_figures import requirement_columns
 from compass.study.sampling import sampling_of
@@ -112,6 +113,9 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
                 if there[k]:
                     error[where[k]] = text
     order = order_of(study, figures, (error == "") & (stage >= STAGES.index("map")))
+    waiting = still_waiting(study, figures, stage, error == "")
+    if waiting:  # any of them may be ahead
+        order.decided[order.front == 0] = False
     data: dict[str, Any] = {"identity": ("candidate", np.array(keys, dtype=object))}
     for column in ROW.names or ():
         values = rows[column]
@@ -123,9 +127,9 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
         if figure not in data:
             attrs = merit.quantity.attributes()
             if how := sampling_of(study, figure):
-                bounded = figure in bounded_figures(study)
+                bounded = figure in bracketed_figures(study)
                 attrs["sampled_over"] = how + ("; where there are bounds, their middle" * bounded)
-            data[figure] = ("candidate", _middle(figures, figure), attrs)
+            data[figure] = ("candidate", _value(study, figures, figure), attrs)
     proven = [name for name in bounded_figures(study) if name in BOUNDED]
     for figure in [*proven, *drawn_figures(study)]:
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
@@ -148,21 +152,60 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
         "front": ("candidate", order.front),
         "decided": ("candidate", order.decided),
     }
-    attrs = {
+    about: dict[str, Any] = {
         "title": study.name,
         "source": f"compass {compass.__version__}",
         "study_text": study.text,
         "study_sha256": study.digest,
+        "waiting": waiting,
     }
-    return xr.Dataset(data, attrs=attrs)
+    return xr.Dataset(data, attrs=about)
 
 
-def _middle(figures: dict[str, NDArray[np.float64]], figure: str) -> NDArray[np.float64]:
-    """Values of a figure, the middle of its bounds where both are known."""
+def still_waiting(
+    study: Study,
+    figures: dict[str, NDArray[np.float64]],
+    stage: NDArray[np.int8],
+    fine: NDArray[np.bool_],
+) -> int:
+    """How many candidates have not come to a stage that they would: the run was stopped.
+
+    Parameters
+    ----------
+    study
+        Its stages and constraints; what evolution would yet come upon is not known.
+    figures, stage, fine
+        What is known of candidates, the last stage of each, and whether it raised no error.
+    """
+    listed = study.sampling.method != "nsga2"
+    waiting = len(candidates(study)) - stage.size if listed else 0
+    for before, after in pairwise(study.stages):
+        known = [name for name in STAGES if STAGES.index(name) <= STAGES.index(before)]
+        limits = [c for name in known for c in study.constraints_of(name)]
+        going = fine & (stage >= STAGES.index(before)) & may_hold(limits, figures)
+        came = stage >= STAGES.index(after)
+        if after == "entry" and study.entry is not None:
+            most = min(int(going.sum()), study.entry.finalists)
+            waiting += max(most - int((going & came).sum()), 0)
+        else:
+            waiting += int((going & ~came).sum())
+    return waiting
+
+
+def _value(
+    study: Study, figures: dict[str, NDArray[np.float64]], figure: str
+) -> NDArray[np.float64]:
+    """Values of a figure, within its bounds where both are known: their middle if it is sorted by.
+
+    What is only limited has bounds that say on which side it is, and no more.
+    """
+    value = figures[figure]
     if figure not in (*BOUNDED, *BETWEEN) or ends(figure)[0] not in figures:
-        return figures[figure]
+        return value
     low, high = (figures[end] for end in ends(figure))
-    return np.where(np.isfinite(low + high), 0.5 * (low + high), figures[figure])
+    if figure in bracketed_figures(study):
+        return np.where(np.isfinite(low + high), 0.5 * (low + high), value)
+    return np.where(np.isnan(low), value, np.clip(value, low, high))
 
 
 def known_figures(study: Study) -> list[str]:
@@ -226,8 +269,20 @@ def _lines(made: "xr.Dataset", piece: int = 4096) -> Iterator[list[Any]]:
     """A candidate a line, none where a number is not known; few at once, for lists take memory."""
     for k in range(0, made.sizes["candidate"], piece):
         columns = _columns(made.isel(candidate=slice(k, k + piece))).values()
-        for row in zip(*(column.tolist() for column in columns), strict=True):
-            yield [None if x != x else x for x in row]
+        known = [
+            np.where(np.isnan(column), np.array(None), column)
+            if column.dtype.kind == "f"
+            else column
+            for column in columns
+        ]
+        yield from map(list, zip(*(column.tolist() for column in known), strict=True))
+
+
+def _known(column: NDArray[Any]) -> list[Any]:
+    """Values of a column, None where a number is not known."""
+    if column.dtype.kind != "f":
+        return list(column.tolist())
+    return list(np.where(np.isnan(column), np.array(None), column).tolist())
 
 
 def _columns(made: "xr.Dataset") -> dict[str, NDArray[Any]]:

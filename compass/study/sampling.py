@@ -8,6 +8,7 @@ places and moments for errors in metres, more are drawn where the order is open.
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,10 @@ from compass.quantities.merits import MERITS, merits_of
 from compass.study.bounds import bounded_figures
 from compass.study.draw_bounds import drawn_figures
 from compass.study.pattern_map import map_figures
+from compass.words import counted
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Of what is mapped the figure that is known exactly, by areas of caps.
 EXACT = "count_mean"
@@ -55,11 +60,17 @@ def rests_on_samples(study: Study) -> list[str]:
     return [f for f in MERITS if f in study.named and f not in told and sampling_of(study, f)]
 
 
-def front_known(study: Study, undecided: int) -> str:
+def front_known(study: Study, results: "xr.Dataset") -> str:
     """Return how well it is known who is on the front, in words."""
+    if waiting := int(results.attrs["waiting"]):
+        return (
+            f"who is on the front is open: {counted(waiting, 'candidate')} not looked at so far; "
+            "the same command goes on"
+        )
     if sampled := rests_on_samples(study):
         titles = ", ".join(MERITS[name].title for name in sampled)
         return f"who is on the front is not proven: it rests on samples of {titles}"
+    undecided = int((~results.decided.values & (results.front.values == 0)).sum())
     told = (
         f"of {undecided} it is not decided within the budget (--budget-s goes on)"
         if undecided

@@ -1,10 +1,12 @@
 """Who does the work: processes of this machine; for a Dask cluster see `cluster`.
 
-Every kind has ``run(stage, batches)``, which yields each batch with what was found, in the order
-in which they finish, and keeps only a few batches a worker on their way: a queue of millions
-would burden a scheduler, and what is on its way is what a kill loses. A batch whose worker died
-is given to another; after `ATTEMPTS` deaths (Dask has its own limit) and when all others are
-through, its candidates are tried one by one. Only one that kills again comes back with None.
+Every kind has ``run(stage, batches, until)``, which yields each batch with what was found, in the
+order in which they finish, and keeps only a few batches a worker on their way: a queue of millions
+would burden a scheduler, and what is on its way is what a kill loses. So does the time `until`
+which it may take, as `time.monotonic` tells it: what has been begun by then is given up.
+A batch whose worker died is given to another; after `ATTEMPTS` deaths (Dask has its own limit) and
+when all others are through, its candidates are tried one by one. Only one that kills again comes
+back with None.
 """
 
 import os
@@ -15,6 +17,7 @@ import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from math import inf
 from multiprocessing import connection, get_context, parent_process, resource_tracker
 from types import ModuleType
 from typing import Any, Protocol
@@ -44,8 +47,8 @@ class Workers(Protocol):
 
     count: int
 
-    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
-        """Yield each batch and what was found, as they finish."""
+    def run(self, stage: str, batches: Iterable[NDArray], until: float = inf) -> Iterator[Result]:
+        """Yield each batch and what was found, as they finish, until a time."""
 
     def close(self) -> None:
         """Let the workers go."""
@@ -165,7 +168,7 @@ class Processes:
         self._team: list[_Process] = []  # begun when there is something to do
         self._deaths, self._proven, self._round = 0, False, time.monotonic()
 
-    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
+    def run(self, stage: str, batches: Iterable[NDArray], until: float = inf) -> Iterator[Result]:
         """As `Workers.run`.
 
         Raises
@@ -174,9 +177,8 @@ class Processes:
             Worker after worker dies, before any has found anything.
         """
         source, again = iter(batches), deque[tuple[NDArray, int]]()
-        for worker in [w for w in self._team if w.held]:  # an earlier run was given up
-            self._dismiss(worker)
-        while True:
+        self._give_up()  # what an earlier run has left
+        while time.monotonic() < until:
             while sum(len(w.held) for w in self._team) < HELD * self.count:
                 if (rows := next(source, None)) is not None:
                     self._freest().give(stage, rows, 0)
@@ -187,7 +189,7 @@ class Processes:
             ends: dict[Any, _Process] = {w.end: w for w in self._team if w.held}
             if not ends:
                 return
-            for worker in self._heard(ends):
+            for worker in self._heard(ends, until):
                 try:
                     if worker.is_lost:
                         raise TimeoutError
@@ -206,14 +208,20 @@ class Processes:
                     again += [(rows[k : k + 1], ATTEMPTS - 1) for k in range(rows.size)]
                 else:
                     yield rows, None
+        self._give_up()
 
-    def _heard(self, ends: dict[Any, _Process]) -> list[_Process]:
+    def _give_up(self) -> None:
+        """End the processes that have something to do."""
+        for worker in [w for w in self._team if w.held]:
+            self._dismiss(worker)
+
+    def _heard(self, ends: dict[Any, _Process], until: float) -> list[_Process]:
         """Those that say something, or have been silent too long.
 
         Time for which this process was stopped itself, as with all of a terminal, is none in which
         others were silent: a round counts for no more than it may wait.
         """
-        ready = connection.wait(list(ends), timeout=BEAT)
+        ready = connection.wait(list(ends), min(BEAT, max(until - time.monotonic(), 0.0)))
         now = time.monotonic()
         passed, self._round = min(now - self._round, BEAT), now
         for end, worker in ends.items():

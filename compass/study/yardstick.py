@@ -18,7 +18,7 @@ from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
 from compass.quantities.percentile import percentile
 from compass.study.area_figures import of_areas
-from compass.study.bounds import LEVELS
+from compass.study.bounds import LEVELS, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.draw_bounds import drawn_figures, half_widths
@@ -34,6 +34,9 @@ from compass.study.stages import evaluate
 #: Moments at which the geometry of orbits that are no pattern is sampled; a prime number meets
 #: moments of symmetry least often.
 EPOCHS = 127
+
+#: How near bounds of its geometry come.
+NEAR = "bounds-2"
 
 
 @dataclass(frozen=True)
@@ -108,8 +111,14 @@ def yardstick(study: Study) -> Yardstick | None:
     mask = compared_mask_deg(study)
     find = _as_candidate if study.compare.constellation.pattern is not None else _by_itself
     known, errors = find(study, study.compare.constellation, mask)
+    brackets: dict[str, tuple[float, float]] = {}
+    for name in bracketed_figures(study):
+        low, high = (known.get(end, np.nan) for end in ends(name))
+        if np.isfinite(high - low):
+            brackets[name] = low, high
     figures = dict.fromkeys(MERITS, float("nan")) | known
-    return Yardstick(study.compare, mask, figures, errors)
+    figures |= {name: 0.5 * (low + high) for name, (low, high) in brackets.items()}
+    return Yardstick(study.compare, mask, figures, errors, brackets)
 
 
 def compared_mask_deg(study: Study) -> float:
@@ -139,7 +148,8 @@ def _as_candidate(
         ROW,
     )
     figures: dict[str, float] = {}
-    for stage in (*study.stages, *[MOST_DRAWS] * bool(drawn_figures(study))):
+    nearer = [NEAR] * bool(bracketed_figures(study)) + [MOST_DRAWS] * bool(drawn_figures(study))
+    for stage in (*study.stages, *nearer):
         found = evaluate(stage, study, rows)
         figures |= {name: float(values[0]) for name, values in found.figures.items()}
     errors = {name: float(values[0]) for name, values in map_errors(study, rows).items()}
@@ -170,7 +180,7 @@ def _by_itself(
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
     if "areas" in study.stages:
-        figures |= of_areas(study, c, mask, LEVELS["bounds-2"])
+        figures |= of_areas(study, c, mask, LEVELS[NEAR])
     if study.requirements:
         figures |= settled(study, c, mask)
     if "orbits" in study.stages:

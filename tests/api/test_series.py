@@ -114,5 +114,7 @@ def test_the_command_prints_it_and_writes(run, tmp_path, designs):
     )  # fmt: skip
     assert code == 0
     assert "4 satellites in view at all times" in said
-    assert "two-body motion; gaps by rise and set, to 1 ms" in said
+    assert "two-body motion; gaps and fewest in view by rise and set, to 1 ms" in " ".join(
+        said.split()
+    )
     assert out.exists() and picture.exists()

@@ -219,8 +219,8 @@ def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path,
 def test_candidates_whose_workers_died_are_named(study, run, monkeypatch):
     honest = Processes.run
 
-    def lose_the_first(self, stage, batches):
-        for k, (rows, found) in enumerate(honest(self, stage, batches)):
+    def lose_the_first(self, stage, batches, until):
+        for k, (rows, found) in enumerate(honest(self, stage, batches, until)):
             yield rows, None if stage == "map" and k == 0 else found
 
     monkeypatch.setattr(Processes, "run", lose_the_first)

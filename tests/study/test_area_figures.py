@@ -1,7 +1,6 @@
 """Figures of a study at sites and in regions: those of a map of each candidate, and kept to."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from compass.study.evolve import Known
 from compass.study.results import first_front, read_results
 from compass.study.stages import FINDERS
 from compass.study.store import Store
-from compass.study.trade import _Silent, run_trade
+from compass.study.trade import Silent, run_trade
 from compass.study.yardstick import _by_itself
 from tests.evidence import unknown, unknown_variables
 from tests.one_process import OneProcess
@@ -85,7 +84,13 @@ def test_figures_are_those_of_a_map_at_the_same_places(placed):
 
 def test_areas_are_a_stage_and_sorted_by_bounds_that_come_nearer(placed, tmp_path, monkeypatch):
     """What levels find takes the place of what the stage found; evolution sees the stage's."""
-    monkeypatch.setitem(FINDERS, "areas", partial(area_figures, near=ROUGH))
+
+    def vague(study, rows):
+        ends = {"area_availability_low": 0.0, "area_availability_high": 1.0}
+        found = area_figures(study, rows, ROUGH)
+        return found | {name: np.full(rows.size, end) for name, end in ends.items()}
+
+    monkeypatch.setitem(FINDERS, "areas", vague)
     monkeypatch.setattr("compass.study.order.LEVELS", {"bounds-2": ROUGH})
     nearer = dict.fromkeys(("area_availability", "area_gdop_p95"), (0.4, 0.5))
     asked = []
@@ -104,7 +109,7 @@ def test_areas_are_a_stage_and_sorted_by_bounds_that_come_nearer(placed, tmp_pat
     assert set(bound_columns(study)) >= {"area_availability_low", "area_availability_high"}
     assert "area_gdop_p50" in bracketed_figures(study)
     with Store(tmp_path, study) as store:
-        summary = run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+        summary = run_trade(study, store, OneProcess(study), Silent)
         results = read_results(study, tmp_path)
         seen = Known(store).figures(list(results.identity.values))
     np.testing.assert_array_equal(seen["area_margin_deg"], results.area_margin_deg)

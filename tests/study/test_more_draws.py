@@ -65,11 +65,11 @@ class StoppedError(Exception):
 class Stopping(OneProcess):
     """Stops in the midst of a level."""
 
-    def run(self, stage, some):
+    def run(self, stage, some, until):
         for k, rows in enumerate(some):
             if stage == "draws-2" and k:
                 raise StoppedError
-            yield from super().run(stage, [rows])
+            yield from super().run(stage, [rows], until)
 
 
 def run(study, folder, team=None):

@@ -11,7 +11,17 @@ from hypothesis.extra.numpy import arrays
 from compass.api.trade import TradeResult
 from compass.inputs.study import Constraint, Objective
 from compass.study import stages, trade
-from compass.study.bounds import BOUNDED, FINER, LEVELS, bound_columns, bounds, ends
+from compass.study.bounds import (
+    BESIDE,
+    BOUNDED,
+    FINER,
+    LEVELS,
+    bound_columns,
+    bounds,
+    bracketed_figures,
+    ends,
+)
+from compass.study.candidates import ROW
 from compass.study.choice import rows_in
 from compass.study.order import may_beat, order_of
 from compass.study.pareto import fronts
@@ -95,7 +105,7 @@ def test_a_larger_share_is_better(tiny):
     assert found.decided.all() and not found.open.any()
 
 
-def run(study, folder, batch=4, budget_s=0.0):
+def run(study, folder, batch=4, budget_s=None):
     with Store(folder, study) as store, pytest.MonkeyPatch.context() as patch:
         patch.setitem(trade.BATCH, "bounds-1", batch)
         return run_trade(study, store, OneProcess(study), Bars(), budget_s)
@@ -260,3 +270,15 @@ def test_bounds_are_those_of_the_figures_themselves(tiny):
         assert share <= fine["availability_high"][k] + spread
         assert (gdop <= fine["gdop_p50_low"][k]).mean() <= 0.5 + spread
         assert (gdop <= fine["gdop_p50_high"][k]).mean() >= 0.5 - spread
+
+
+def test_of_what_is_only_limited_it_is_told_on_which_side_it_is(tiny):
+    study = study_of(tiny, "gdop_p50", limit=3.0)
+    study = replace(study, objectives=study.objectives[:1])
+    rows = np.array([(0, 18, 3, 1, 60.0, 20427.7, 5.0), (0, 5, 5, 1, 40.0, 20427.7, 5.0)], ROW)
+    found = bounds(LEVELS["bounds-1"], study, rows)
+    low, high = (found[end] for end in ends("gdop_p50"))
+    assert low[0] == 0.0 and high[0] == 3.0 * (1.0 - BESIDE)
+    assert low[1] >= 3.0 * (1.0 + BESIDE) and high[1] == np.inf
+    # that is no value: the sampled one stands
+    assert bracketed_figures(study) == []

@@ -18,7 +18,7 @@ from compass.study.evolve import Known
 from compass.study.requirement_figures import shown_requirements
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
-from compass.study.trade import _Silent, run_trade
+from compass.study.trade import Silent, run_trade
 from tests.evidence import unknown, unknown_variables
 from tests.one_process import OneProcess
 
@@ -50,7 +50,7 @@ def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
     study = replace(study, space=replace(study.space, satellites=(5,), inclination_deg=(40.0,)))
     assert study.stages == ("screen", "map", "requirements")
     with Store(tmp_path, study) as store:
-        run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+        run_trade(study, store, OneProcess(study), Silent)
         results = read_results(study, tmp_path)
         seen = Known(store).figures(list(results.identity.values))
     for name in ("requirements_met", "requirement_1_met", "requirement_share"):
@@ -140,7 +140,7 @@ at_least = 0.4
         ("requirement_2_share", "largest"), ("requirement_1_margin_deg", "largest"),
     }  # fmt: skip
     with Store(tmp_path, study) as store:
-        summary = run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+        summary = run_trade(study, store, OneProcess(study), Silent)
     results = read_results(study, tmp_path)
     assert unknown(TradeResult(study, tmp_path, summary, results).to_dict()) == []
     assert unknown_variables(results) == []

@@ -14,14 +14,15 @@ import pytest
 from compass.errors import CompassError
 from compass.inputs.study import Objective
 from compass.quantities.merits import MERITS
-from compass.study import stages, trade, workers
+from compass.study import stages, survivors, trade, workers
 from compass.study import store as store_module
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of
 from compass.study.evolve import Known, assess
 from compass.study.results import read_results
 from compass.study.store import Store
-from compass.study.trade import finalists, gather, passed, run_trade
+from compass.study.survivors import finalists, gather, passed
+from compass.study.trade import run_trade
 from compass.study.workers import Processes
 from tests.one_process import OneProcess
 
@@ -87,13 +88,15 @@ def test_geometry_stands_in_for_what_only_entries_tell(tiny, monkeypatch):
     study = replace(tiny(entry=True), objectives=(Objective("crlb_position_m.p95", 1),))
     rows = candidates(study).rows(0, 52)
     gdop = np.random.default_rng(0).permutation(52).astype(float)
-    monkeypatch.setattr(trade, "passed", lambda *_: rows)
-    monkeypatch.setattr(trade, "gather", lambda _store, _keys, names: dict.fromkeys(names, gdop))
+    monkeypatch.setattr(survivors, "passed", lambda *_: rows)
+    monkeypatch.setattr(
+        survivors, "gather", lambda _store, _keys, names: dict.fromkeys(names, gdop)
+    )
     assert set(identities(finalists(study, None))) == set(identities(rows[gdop < 3]))
     both = replace(study, objectives=(*study.objectives, Objective("satellites", 1)))
     few = np.where(rows["satellites"] == 5, 1.0, 2.0)
     values = {"satellites": few, "gdop_p50": np.where(gdop == 7, 0.0, 1.0)}
-    monkeypatch.setattr(trade, "gather", lambda *_: values)
+    monkeypatch.setattr(survivors, "gather", lambda *_: values)
     assert identities(rows[gdop == 7])[0] in identities(finalists(both, None))
 
 
@@ -280,8 +283,8 @@ def test_lost_batches_are_counted_and_tried_again(tiny, tmp_path):
     study = tiny()
 
     class Loses(OneProcess):
-        def run(self, stage, batches):
-            for k, (rows, found) in enumerate(super().run(stage, batches)):
+        def run(self, stage, batches, until):
+            for k, (rows, found) in enumerate(super().run(stage, batches, until)):
                 yield rows, None if stage == "map" and k == 0 else found
 
     summary = run(study, tmp_path, Loses(study))
@@ -316,12 +319,8 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
     study = tiny()
     rows = candidates(study).rows(0, 52)
     with Store(tmp_path, study) as store:
-        summary = trade.Summary()
-
-        def stage(name, some):
-            trade._stage(name, some, store, OneProcess(study), None, summary)
-
-        values, violation = assess(study, Known(store), stage, rows)
+        going = trade.Run(study, store, OneProcess(study), Bars(), np.inf)
+        values, violation = assess(study, Known(store), going.stage, rows)
         proven = np.isin(identities(rows), identities(passed(study, store, "screen")))
     assert np.array_equal(violation == 0, proven)
     assert np.all(violation[~proven] == 2.01)  # two stages missed, one constraint not met
