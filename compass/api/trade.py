@@ -23,7 +23,7 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
-from compass.quantities.merits import MERITS, merits_of
+from compass.quantities.merits import MERITS, STAGES, merits_of
 from compass.saving import check_writable
 from compass.study.area_figures import BETWEEN, area_columns, shown_areas
 from compass.study.bounds import bracketed_figures, limited_figures
@@ -89,7 +89,8 @@ class TradeResult(Result):
     @property
     def holds(self) -> bool:
         """Whether there is a front, and all candidates were looked at."""
-        left = self.summary.unfinished or self.dataset.attrs["waiting"]
+        s = self.summary
+        left = s.unfinished or self.dataset.attrs["waiting"] or s.over in STAGES
         return bool(self.front) and not left
 
     def to_dict(self) -> dict[str, Any]:

@@ -186,7 +186,7 @@ def still_waiting(
         came = stage >= STAGES.index(after)
         if after == "entry" and study.entry is not None:
             most = min(int(going.sum()), study.entry.finalists)
-            waiting += max(most - int((going & came).sum()), 0)
+            waiting += max(most - int(came.sum()), 0)
         else:
             waiting += int((going & ~came).sum())
     return waiting
@@ -269,13 +269,7 @@ def _lines(made: "xr.Dataset", piece: int = 4096) -> Iterator[list[Any]]:
     """A candidate a line, none where a number is not known; few at once, for lists take memory."""
     for k in range(0, made.sizes["candidate"], piece):
         columns = _columns(made.isel(candidate=slice(k, k + piece))).values()
-        known = [
-            np.where(np.isnan(column), np.array(None), column)
-            if column.dtype.kind == "f"
-            else column
-            for column in columns
-        ]
-        yield from map(list, zip(*(column.tolist() for column in known), strict=True))
+        yield from map(list, zip(*map(_known, columns), strict=True))
 
 
 def _known(column: NDArray[Any]) -> list[Any]:

@@ -1,6 +1,6 @@
 """Who goes on: candidates that meet the constraints so far, and those whose entries are judged."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
-from compass.study.bounds import bound_columns, limited_figures
+from compass.study.bounds import FINER, LEVELS, bound_columns, limited_figures
 from compass.study.candidates import ROW, identities
+from compass.study.draws import ALL_DRAWS
 from compass.study.order import may_hold
 from compass.study.pareto import best
 from compass.study.stages import FINDERS, figures_of, passing
@@ -28,7 +29,8 @@ def passed(study: Study, store: Store, stage: str) -> NDArray:
     """
     if stage == "map" and (limited := limited_figures(study)):
         rows = mapped(study, store)
-        known = gather(store, identities(rows), {*limited, *bound_columns(study)})
+        names, stages = {*limited, *bound_columns(study)}, known_by(list(LEVELS)[:1])
+        known = gather(store, identities(rows), names, stages)
         return rows[may_hold([c for c in study.constraints if c.figure in limited], known)]
     return _passed(study, store, stage)
 
@@ -63,10 +65,19 @@ def finalists(study: Study, store: Store) -> NDArray:
     signs = {o.figure: o.sign for o in study.objectives if MERITS[o.figure].stage != "entry"}
     if len(signs) < len({o.figure for o in study.objectives}):
         signs.setdefault(STAND_IN, 1)
-    values = gather(store, identities(rows), set(signs))
+    values = gather(store, identities(rows), set(signs), known_by())
     columns = np.column_stack([sign * values[name] for name, sign in signs.items()])
     columns[np.isnan(columns)] = np.inf
     return rows[best(columns, study.entry.finalists)]
+
+
+def known_by(levels: Collection[str] = ()) -> list[str]:
+    """Stages, and of the levels of bounds and draws some.
+
+    What a run that was stopped has found of the others plays no role in who goes on: it ends alike.
+    """
+    others = {*LEVELS, *FINER, *ALL_DRAWS} - {*levels}
+    return [stage for stage in FINDERS if stage not in others]
 
 
 def gather(

@@ -23,9 +23,9 @@ from compass.study.clocks import best_by_errors, clock_columns
 from compass.study.draws import ALL_DRAWS
 from compass.study.order import bound_limits, settle
 from compass.study.results import results_of
-from compass.study.stages import FINDERS, Found
+from compass.study.stages import Found
 from compass.study.store import Store
-from compass.study.survivors import finalists, gather, mapped, passed
+from compass.study.survivors import finalists, gather, known_by, mapped, passed
 from compass.study.workers import Workers
 
 #: Candidates left out that are named.
@@ -33,16 +33,8 @@ NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
 BATCH = (
-    {
-        "screen": 500,
-        "map": 128,
-        "requirements": 4,
-        "areas": 4,
-        "orbits": 1,
-        "entry": 96,
-        "clocks": 1,
-    }
-    | dict.fromkeys([*LEVELS, *FINER, *ALL_DRAWS], 1)
+    {"screen": 500, "map": 128, "requirements": 4, "areas": 4, "orbits": 1, "entry": 96}
+    | dict.fromkeys(["clocks", *LEVELS, *FINER, *ALL_DRAWS], 1)
     | {"bounds-1": 8, "draws-1": 4}
 )
 
@@ -189,14 +181,13 @@ class Run:
         """Tell who is of the front, and of the best of these what other clocks make of them."""
         study, store = self.study, self.store
         rows = passed(study, store, study.stages[-1])
-        wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
+        sorted_by = {o.figure for o in study.objectives}
+        wanted = gather(store, identities(rows), sorted_by, known_by())
         rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
         sides = {end for figure in study.named for end in ends(figure)}
 
         def figures(some: NDArray, levels: Sequence[str]) -> dict[str, NDArray[np.float64]]:
-            later = {*LEVELS, *FINER, *ALL_DRAWS} - {*levels}
-            known = [stage for stage in FINDERS if stage not in later]
-            return gather(store, identities(some), study.named | sides, known)
+            return gather(store, identities(some), study.named | sides, known_by(levels))
 
         settle(study, rows, figures, self.stage, finer)
         if clock_columns(study) and store.finished:

@@ -11,11 +11,12 @@ import pytest
 
 from compass.api.trade import TradeResult
 from compass.inputs.study import Constraint, Objective
+from compass.quantities.merits import STAGES
 from compass.study import stages, trade, workers
 from compass.study.bounds import FINER, LEVELS, ends
 from compass.study.candidates import candidates
 from compass.study.draws import DRAWS
-from compass.study.results import read_results
+from compass.study.results import read_results, still_waiting
 from compass.study.store import Store
 from compass.study.trade import run_trade
 from compass.study.workers import Processes
@@ -120,6 +121,78 @@ def test_wherever_the_time_is_over_the_next_run_ends_as_one_that_was_not_stopped
     assert total == whole.computed  # nothing is found twice but what had been given up
     pair = [read_results(study, tmp_path / name).drop_attrs() for name in ("whole", "stopped")]
     assert pair[0].identical(pair[1])
+
+
+class UntilLarger(OneProcess):
+    """Has no time any more when a level comes to patterns of more than five satellites."""
+
+    def __init__(self, study, clock):
+        super().__init__(study)
+        self._clock = clock
+
+    def run(self, stage, some, until):
+        for rows in some:
+            if stage == "bounds-2" and rows["satellites"].max() > 5:
+                self._clock.now = np.inf
+                return
+            yield from super().run(stage, [rows], until)
+
+
+def test_whom_a_level_has_put_out_before_a_stop_is_a_rival_until_then_all_the_same(
+    tiny, tmp_path, monkeypatch
+):
+    """Whoever it might have beaten is looked into, stopped in between or not."""
+    monkeypatch.setattr("compass.study.order.LEVELS", LEVELS)
+    monkeypatch.setattr(trade, "BATCH", dict.fromkeys(stages.FINDERS, 1))
+    # what bounds leave open of five satellites: the most of their share, and the dilution's width
+    vague = {"bounds-1": (0.95, 100.0), "bounds-2": (0.85, 1.0), "bounds-3": (0.85, 1.0)}
+
+    def found(level, study, rows):
+        doubted = rows["satellites"] == 5
+        columns = {name: np.full(rows.size, np.nan) for name in stages.figures_of(level, study)}
+        columns["availability_low"] = np.where(doubted, 0.8, 0.95)
+        columns["availability_high"] = np.where(doubted, vague[level][0], 0.97)
+        middle = 3.0 + rows["phasing"] + 10.0 * rows["planes"] + 0.1 * rows["inclination_deg"]
+        for end, side in zip(ends(GEOMETRY), (-0.5, 0.5), strict=True):
+            columns[end] = middle + side * np.where(doubted, vague[level][1], WIDTHS[level] / 4.0)
+        return columns
+
+    for level in vague:
+        monkeypatch.setitem(
+            stages.FINDERS, level, lambda study, rows, level=level: found(level, study, rows)
+        )
+    made = tiny()
+    share = Constraint("availability", 0.9, np.inf, False)
+    study = replace(
+        made,
+        objectives=tuple(Objective(name, 1) for name in (GEOMETRY, "satellites")),
+        constraints=(*made.constraints, share),
+    )
+    clock = Clock()
+    monkeypatch.setattr(trade, "monotonic", clock)
+    whole = run(study, tmp_path / "whole", budget_s=1.0)
+    once = run(study, tmp_path / "stopped", UntilLarger(study, clock), budget_s=1.0)
+    assert once.over == "bounds-2" and 0 < once.computed["bounds-2"] < whole.bounded["bounds-2"]
+    clock.now = 0.0
+    run(study, tmp_path / "stopped", budget_s=1.0)
+    pair = [read_results(study, tmp_path / name).drop_attrs() for name in ("whole", "stopped")]
+    assert pair[0].identical(pair[1])
+
+
+def test_a_finalist_that_later_bounds_put_out_was_looked_at_all_the_same(tiny):
+    made = tiny(entry=True)
+    limits = (*made.constraints, Constraint(GEOMETRY, -np.inf, 5.0, False))
+    study = replace(made, constraints=limits, entry=replace(made.entry, finalists=3))
+    count = len(candidates(study))
+    figures = {c.figure: np.ones(count) for c in limits}
+    figures |= {end: np.ones(count) for end in ends(GEOMETRY)}
+    stage, fine = np.full(count, STAGES.index("map"), "i1"), np.ones(count, bool)
+    stage[:2] = STAGES.index("entry")
+    assert still_waiting(study, figures, stage, fine) == 1
+    stage[2] = STAGES.index("entry")
+    for end in ends(GEOMETRY):
+        figures[end][0] = 6.0
+    assert still_waiting(study, figures, stage, fine) == 0
 
 
 def test_a_process_is_ended_in_the_midst_of_a_candidate(tiny, monkeypatch):
