@@ -116,9 +116,8 @@ class TradeResult(Result):
                 "front": self.front,
                 "by_clock": list(self.by_clock),
                 "sampled_over": self._sampled_over,
-                "evidence": dict.fromkeys(
-                    self._shares + self._areas + self._bracketed, "between proven bounds"
-                )
+                "evidence": dict.fromkeys(self._shares + self._areas, Bracket.WORDS)
+                | {name: self._bounded(name) for name in self._bracketed}
                 | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()}
                 | dict.fromkeys(drawn_figures(self.study), Interval.WORDS),
                 "drawn": s.drawn,
@@ -172,6 +171,18 @@ class TradeResult(Result):
         """Figures of those that may be of the front that lie between proven bounds."""
         return bracketed_figures(self.study) if self.summary.bounded else []
 
+    @staticmethod
+    def _is_bare(row: dict[str, Any], name: str) -> bool:
+        """Whether one of the front has a figure whose bounds are not found yet."""
+        value = row.get(name)
+        return value is not None and value == value and row.get(name + Bracket.SUFFIX) is None
+
+    def _bounded(self, name: str) -> str:
+        """How well a figure with bounds is known on the front."""
+        if any(self._is_bare(row, name) for row in self.front):
+            return f"{Bracket.WORDS}; sampled where {name}{Bracket.SUFFIX} is null"
+        return Bracket.WORDS
+
     @property
     def _shares(self) -> list[str]:
         """Columns of shares of requirements, each an end of proven bounds."""
@@ -191,7 +202,10 @@ class TradeResult(Result):
         bounded = self._bracketed
         if everywhere := [name for name in bounded if name not in BETWEEN]:
             titles = ", ".join(MERITS[name].title for name in everywhere)
-            said.append(f"between proven bounds, everywhere and for all time: {titles}")
+            words = f"between proven bounds, everywhere and for all time: {titles}"
+            if any(self._is_bare(row, name) for row in front for name in everywhere):
+                words += "; of one number alone the bounds are not found yet: it is sampled"
+            said.append(words)
         told = [name for name in limited_figures(self.study) if name not in bounded]
         if told and self.summary.bounded:
             titles = ", ".join(MERITS[name].title for name in told)

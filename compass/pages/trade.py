@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.api.trade import clock_blocks
-from compass.document import Bracket, Interval, Value
+from compass.document import Evidence, Sampled, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.study import Constraint, Free, Study
 from compass.pages.page import render
@@ -34,15 +34,14 @@ from compass.pages.trade_pictures import (
 from compass.quantities import Quantity, quantity
 from compass.quantities.merits import MERITS, STAGES
 from compass.study.area_figures import shown_areas
-from compass.study.bounds import bracketed_figures, ends, limited_figures
+from compass.study.bounds import bracketed_figures, limited_figures
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.clocks import errors_by_clock
 from compass.study.columns import shown
-from compass.study.draw_bounds import drawn_figures
 from compass.study.requirement_figures import shown_requirements
-from compass.study.results import known_figures, read_results
-from compass.study.sampling import front_known, sampled_over
+from compass.study.results import bounds_beside, known_figures, read_results
+from compass.study.sampling import front_known, map_errors, sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, yardstick
 from compass.words import capital
 
@@ -230,10 +229,11 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     labels = [_quantity(name).heading for name in names]
     each = shown([*shown_areas(study), *shown_requirements(study)], some)
     labels += [heading for heading, _ in each]
+    columns = [_column(study, some, name) for name in names]
     rows = [
         (
             notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
-            *(_cell(study, some, name, k) for name in names),
+            *(cells[k] for cells in columns),
             *(values[k] for _, values in each),
         )
         for k, row in enumerate(rows_in(some))
@@ -241,18 +241,19 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     return Table(title, ("constellation", *labels), tuple(rows))
 
 
-def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
-    """A figure of a candidate, between its bounds where it has any."""
-    value = float(some[name].values[k])
-    if name in bracketed_figures(study):
-        low, high = (float(some[end].values[k]) for end in ends(name))
-        if np.isfinite(high - low):
-            return Value(_quantity(name), value, Bracket(low, high))
-    if name in drawn_figures(study):
-        low, high = (float(some[end].values[k]) for end in ends(name))
-        if low <= high:
-            return Value(_quantity(name), value, Interval(low, high))
-    return "–" if np.isnan(value) else Value(_quantity(name), value)
+def _column(study: Study, some: "xr.Dataset", name: str) -> list[object]:
+    """A figure of candidates: between its bounds, or with what sampling leaves of doubt."""
+    known, values = _quantity(name), some[name].values.astype(float)
+    told: list[Evidence | None] = [*bounds_beside(study, some, name)]
+    how = sampling_of(study, name) if name in MERITS else ""
+    if how and None in told:
+        errors = map_errors(study, rows_in(some)).get(name, np.full(values.size, np.nan))
+        sampled = [Sampled(None if np.isnan(error) else float(error), how) for error in errors]
+        told = [own or rough for own, rough in zip(told, sampled, strict=True)]
+    return [
+        "–" if np.isnan(value) else Value(known, float(value), evidence)
+        for value, evidence in zip(values, told, strict=True)
+    ]
 
 
 def _quantity(name: str) -> Quantity:
@@ -298,7 +299,8 @@ def _summary(
     """Return the numbers of the report as plain values."""
 
     def facts(f: Finalist | Yardstick) -> dict[str, Any]:
-        return {"role": f.role, "constellation": f.notation, **f.variables, "figures": f.figures}
+        about = {"role": f.role, "constellation": f.notation, **f.variables, "figures": f.figures}
+        return about | {"brackets": f.brackets, "errors": f.errors}
 
     stage = [STAGES.index(s) for s in results.stage.values]
     return {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.document import Value
 from compass.document.blocks import Interactive, Picture
 from compass.inputs.study import Study
 from compass.pages.page import script, templates
@@ -15,8 +16,8 @@ from compass.pictures.style import CYCLE, FAINT, MARS
 from compass.quantities.merits import MERITS
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, notation, rows_in
-from compass.study.results import known_figures
-from compass.study.sampling import front_known
+from compass.study.results import bounds_beside, known_figures
+from compass.study.sampling import front_known, sampling_of
 from compass.study.yardstick import Yardstick
 from compass.words import capital
 
@@ -54,7 +55,7 @@ def interactive_front(
         others = others[np.linspace(0, total - 1, OTHERS).astype(int)]
     axes = _axes(study, results)
     groups = [
-        _group(results.isel(candidate=where), axes) | {"label": label, **marker}
+        _group(study, results.isel(candidate=where), axes) | {"label": label, **marker}
         for label, where, marker in (
             ("feasible", others, {"colour": FAINT, "size": 3, "faint": True}),
             ("first Pareto front", front, {"colour": CYCLE[0], "size": 4}),
@@ -71,7 +72,7 @@ def interactive_front(
         groups.append(own | {"label": measure.role, "few": True, **mark})
     second = min(1, len(axes) - 1)
     titles = [
-        {"title": title, "label": label, "whole": _whole(name)}
+        {"title": title, "label": label, "whole": _whole(name), "sampled": _sampled(study, name)}
         for name, (title, label) in axes.items()
     ]
     shown = {"axes": titles, "second": second, "groups": groups}
@@ -122,12 +123,28 @@ def _whole(name: str) -> bool:
     return MERITS[name].quantity.form == "count" if name in MERITS else name == "phasing"
 
 
-def _group(some: "xr.Dataset", axes: dict[str, tuple[str, str]]) -> dict[str, Any]:
-    """Candidates by their notation, and each one's number on every axis."""
+def _sampled(study: Study, name: str) -> bool:
+    """Whether a number on an axis is sampled where no bounds stand beside it."""
+    return name in MERITS and bool(sampling_of(study, name))
+
+
+def _group(study: Study, some: "xr.Dataset", axes: dict[str, tuple[str, str]]) -> dict[str, Any]:
+    """Candidates by their notation, each one's number on every axis, and its bounds in words."""
     return {
         "names": [notation(make_constellation(row)) for row in rows_in(some)],
         "columns": [_column(some[name].values) for name in axes],
+        "told": [_told(study, some, name) for name in axes],
     }
+
+
+def _told(study: Study, some: "xr.Dataset", name: str) -> list[str | None] | None:
+    """How a figure of candidates is written where it has bounds; None where none has."""
+    bounds = bounds_beside(study, some, name)
+    if not any(bounds):
+        return None
+    values = zip(some[name].values.tolist(), bounds, strict=True)
+    known = MERITS[name].quantity
+    return [with_unit(Value(known, value, own)) if own else None for value, own in values]
 
 
 def _single(
@@ -140,7 +157,7 @@ def _single(
         "columns": [_column(np.array([values[axis]], float)) for axis in axes],
         "doubt": [float(f"{doubt(one, axis):.3g}") for axis in axes],
         "told": [
-            with_unit(known(study, axis, one)) if axis in one.figures else None for axis in axes
+            [with_unit(known(study, axis, one))] if axis in one.figures else None for axis in axes
         ],
     }
 

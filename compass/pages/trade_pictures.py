@@ -12,7 +12,6 @@ from compass.coverage.view import view
 from compass.document.blocks import Picture
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
-from compass.pages.trade_finalists import doubt
 from compass.pictures.front import draw_front, label
 from compass.pictures.maps import draw_map, ranged_bar
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture, whole_numbers
@@ -56,7 +55,7 @@ def front_pictures(
             draw_front(axes, results, a, b)
             drawn: list[Finalist | Yardstick] = [*chosen, *([measure] if measure else [])]
             for one in drawn:
-                across, up = doubt(one, a), doubt(one, b)
+                across, up = (_bar(one, name) for name in (a, b))
                 axes.errorbar(
                     one.figures[a], one.figures[b], up, across,
                     fmt="none", ecolor=INK, elinewidth=1, capsize=3,
@@ -89,6 +88,12 @@ def front_pictures(
             )
         )
     return tuple(made)
+
+
+def _bar(one: Finalist | Yardstick, name: str) -> float:
+    """Half the length of a bar: of what bounds leave open, or another sampling may change."""
+    error = one.errors.get(name, 0.0)
+    return error if np.isfinite(error) else 0.0
 
 
 def _classes(results: "xr.Dataset", name: str) -> tuple[np.ndarray, list[Any]]:

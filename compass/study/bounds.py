@@ -15,7 +15,7 @@ from compass.coverage.grid import make_grid
 from compass.coverage.region import Region, latitude_band
 from compass.inputs.study import Study
 from compass.orbits import Constellation
-from compass.sites import Mask
+from compass.orbits.symmetry import one_circle
 from compass.study.area_figures import BETWEEN, area_bounds
 from compass.study.candidates import make_constellation
 from compass.study.pattern_map import map_figures
@@ -113,11 +113,9 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
     areas = _nearer(study, level)
     sampled = map_figures(study, rows) if everywhere else {}
     for k, row in enumerate(rows):
-        pattern = make_constellation(row)
-        mask = Mask.constant(float(np.radians(row["mask_deg"])))
+        c, mask = make_constellation(row), float(np.radians(row["mask_deg"]))
         for figure in everywhere:
-            asked: Asked = {"dop": BOUNDED[figure][0], "figure": study.figure, "mask": mask}
-            pair = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
+            pair = globe_bounds(level, study, figure, float(sampled[figure][k]), c, mask)
             for end, bound in zip(ends(figure), pair, strict=True):
                 found[end][k] = bound
             limits = [limit for limit in study.constraints if limit.figure == figure]
@@ -129,15 +127,17 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
     return found
 
 
-def _bound(
-    level: Near, study: Study, figure: str, sampled: float, pattern: Constellation, asked: Asked
+def globe_bounds(
+    level: Near, study: Study, figure: str, sampled: float, c: Constellation, mask: float
 ) -> tuple[float, float]:
-    """Bounds of one figure of one candidate."""
-    percent, limits = BOUNDED[figure][1], _limits(study, figure)
+    """Bounds of one figure of a constellation above a mask, radians, near what is sampled."""
+    dop, percent = BOUNDED[figure]
+    limits = _limits(study, figure)
+    asked: Asked = {"dop": dop, "figure": study.figure, "mask": mask}
     if percent is None:
         width = level.width if _sorts(study, figure) else ANY
         share = certified_share(
-            pattern,
+            c,
             study.map.pdop_max,
             width=width,
             budget_boxes=level.boxes,
@@ -146,15 +146,15 @@ def _bound(
         )
         return share.low, share.high
     if figure != ZONE and not _sorts(study, figure):
-        return _beside(level, limits, percent, sampled, pattern, asked)
+        return _beside(level, limits, percent, sampled, c, asked)
     options: dict[str, Any] = {
         "guess": sampled, "precision": level.precision, "budget_boxes": level.boxes,
         "limits": limits,
     }  # fmt: skip
     if figure == ZONE:
-        found = certified_worst_zone(pattern, percent, _zones(study), **options, **asked)
+        found = certified_worst_zone(c, percent, _zones(study, c), **options, **asked)
     else:
-        found = certified_percentile(pattern, percent, **options, **asked)
+        found = certified_percentile(c, percent, **options, **asked)
     return found.low, found.high
 
 
@@ -163,7 +163,7 @@ def _beside(
     limits: list[float],
     percent: float,
     sampled: float,
-    pattern: Constellation,
+    c: Constellation,
     asked: Asked,
 ) -> tuple[float, float]:
     """Bounds of a percentile that say on which side of some limits it is, and no more."""
@@ -174,20 +174,21 @@ def _beside(
         for at in sides if sampled < limit else sides[::-1]:
             if low < at < high:
                 share = certified_share(
-                    pattern, at, width=ANY, budget_boxes=level.boxes, against=[part], **asked
+                    c, at, width=ANY, budget_boxes=level.boxes, against=[part], **asked
                 )
                 low = at if share.high < part else low
                 high = at if share.low >= part else high
     return low, high
 
 
-def _zones(study: Study) -> list[Region]:
-    """Zones of latitude, one of each pair north and south: both see alike of circles of one size.
+def _zones(study: Study, c: Constellation) -> list[Region]:
+    """Zones of latitude, as wide as the rows that are sampled.
 
-    As wide as the rows that are sampled.
+    One of each pair north and south where both see alike, as of circles of one size.
     """
     grid = make_grid("equal-angle", study.map.step_deg)
-    edges = grid.latitude_edges[: (grid.rows + 1) // 2 + 1]
+    rows = (grid.rows + 1) // 2 if one_circle(c) else grid.rows
+    edges = grid.latitude_edges[: rows + 1]
     return [latitude_band(south, north) for south, north in pairwise(edges.tolist())]
 
 

@@ -1,5 +1,6 @@
 """Which candidates stand out: the finalists of a study, each with what it is best at."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
 from compass.study.bounds import bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, make_constellation
-from compass.study.draw_bounds import half_widths, side_columns
+from compass.study.draw_bounds import half_widths
 from compass.study.sampling import map_errors
 
 if TYPE_CHECKING:
@@ -127,21 +128,29 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
             figures = {name: float(one[name].values[0]) for name in named}
             row = rows_in(one)
             errors = {name: float(values[0]) for name, values in map_errors(study, row).items()}
-            brackets = _brackets(study, one)
-            errors |= {name: 0.5 * (high - low) for name, (low, high) in brackets.items()}
-            errors |= half_widths(study, {name: one[name][0] for name in side_columns(study)})
+            columns = {str(name): one[name].values[0] for name in one.data_vars}
+            brackets = brackets_of(study, columns)
+            errors |= half_brackets(brackets)
+            errors |= half_widths(study, columns)
             found[key] = Finalist(role, row[0], figures, errors, brackets)
     return list(found.values())
 
 
-def _brackets(study: Study, one: "xr.Dataset") -> dict[str, tuple[float, float]]:
-    """Proven bounds of the figures of a candidate that have them."""
+def brackets_of(study: Study, known: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    """Proven bounds of one constellation's figures that have them, of the columns of these."""
     pairs = {
-        figure: tuple(float(one[end].values[0]) for end in ends(figure))
+        figure: tuple(float(known[end]) for end in ends(figure))
         for figure in bracketed_figures(study)
-        if ends(figure)[0] in one
+        if ends(figure)[0] in known
     }
-    return {name: (low, high) for name, (low, high) in pairs.items() if np.isfinite(high - low)}
+    return {name: (low, high) for name, (low, high) in pairs.items() if low <= high}
+
+
+def half_brackets(brackets: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Half of what lies between each pair of bounds."""
+    return {
+        name: 0.5 * (high - low) if low < high else 0.0 for name, (low, high) in brackets.items()
+    }
 
 
 def _scale(study: Study, front: "xr.Dataset") -> tuple[NDArray[Any], NDArray[Any]]:

@@ -153,12 +153,9 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
         "decided": ("candidate", order.decided),
     }
     about: dict[str, Any] = {
-        "title": study.name,
-        "source": f"compass {compass.__version__}",
-        "study_text": study.text,
-        "study_sha256": study.digest,
-        "waiting": waiting,
-    }
+        "title": study.name, "source": f"compass {compass.__version__}",
+        "study_text": study.text, "study_sha256": study.digest, "waiting": waiting,
+    }  # fmt: skip
     return xr.Dataset(data, attrs=about)
 
 
@@ -203,9 +200,10 @@ def _value(
     if figure not in (*BOUNDED, *BETWEEN) or ends(figure)[0] not in figures:
         return value
     low, high = (figures[end] for end in ends(figure))
+    within = np.where(np.isnan(low), value, np.clip(value, low, high))
     if figure in bracketed_figures(study):
-        return np.where(np.isfinite(low + high), 0.5 * (low + high), value)
-    return np.where(np.isnan(low), value, np.clip(value, low, high))
+        return np.where(np.isfinite(low + high), 0.5 * (low + high), within)
+    return within
 
 
 def known_figures(study: Study) -> list[str]:
@@ -229,24 +227,31 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     """
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
+    front = front.isel(candidate=order)
     stages = [stage for stage in ("areas", "requirements") if stage in study.stages]
     together = [name for stage in stages for name in merits_of(stage)]
     each = [name for name in area_columns(study) if name not in _ENDS]
     figures = (
         *(o.figure for o in study.objectives), *together, *each, *requirement_columns(study)
     )  # fmt: skip
-    names = dict.fromkeys(["identity", *(ROW.names or ()), *figures])
     columns = {}
-    for name in names:
-        columns[name] = front[name].values[order].tolist()
-        if name in (*bracketed_figures(study), *drawn_figures(study)):
-            low, high = (front[end].values[order].tolist() for end in ends(name))
-            pairs = [None if np.isnan(a) else [a, b] for a, b in zip(low, high, strict=True)]
-            if any(pairs):
-                kind = Interval if name in drawn_figures(study) else Bracket
-                columns[name + kind.SUFFIX] = pairs
-    columns["decided"] = front.decided.values[order].tolist()
+    for name in dict.fromkeys(["identity", *(ROW.names or ()), *figures]):
+        columns[name] = front[name].values.tolist()
+        beside = bounds_beside(study, front, name)
+        if any(beside):
+            kind = next(type(one) for one in beside if one)
+            columns[name + kind.SUFFIX] = [one and [one.low, one.high] for one in beside]
+    columns["decided"] = front.decided.values.tolist()
     return [{name: columns[name][k] for name in columns} for k in range(order.size)]
+
+
+def bounds_beside(study: Study, some: "xr.Dataset", name: str) -> list[Bracket | Interval | None]:
+    """Bounds of a figure of every candidate, proven or by draws; None where there are none."""
+    if name not in (*bracketed_figures(study), *drawn_figures(study)):
+        return [None] * some.sizes["candidate"]
+    kind = Interval if name in drawn_figures(study) else Bracket
+    low, high = (some[end].values.tolist() for end in ends(name))
+    return [kind(a, b) if a <= b else None for a, b in zip(low, high, strict=True)]
 
 
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
@@ -274,9 +279,8 @@ def _lines(made: "xr.Dataset", piece: int = 4096) -> Iterator[list[Any]]:
 
 def _known(column: NDArray[Any]) -> list[Any]:
     """Values of a column, None where a number is not known."""
-    if column.dtype.kind != "f":
-        return list(column.tolist())
-    return list(np.where(np.isnan(column), np.array(None), column).tolist())
+    unknown = np.isnan(column) if column.dtype.kind == "f" else False
+    return list(np.where(unknown, np.array(None), column).tolist())
 
 
 def _columns(made: "xr.Dataset") -> dict[str, NDArray[Any]]:

@@ -18,9 +18,9 @@ from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
 from compass.quantities.percentile import percentile
 from compass.study.area_figures import of_areas
-from compass.study.bounds import LEVELS, bracketed_figures, ends
+from compass.study.bounds import BOUNDED, LEVELS, bracketed_figures, ends, globe_bounds
 from compass.study.candidates import PATTERNS, ROW
-from compass.study.choice import notation
+from compass.study.choice import brackets_of, half_brackets, notation
 from compass.study.draw_bounds import drawn_figures, half_widths
 from compass.study.draws import MOST_DRAWS, drawn_fixes, judging_more
 from compass.study.lasting import proven_days
@@ -53,7 +53,7 @@ class Yardstick:
         By name; nan where its orbits are no pattern of equal circles and the figure is of those.
     errors
         By how much those that are sampled over area and time may be off; half the width of those
-        between bounds by draws.
+        between bounds.
     brackets
         Proven bounds, of those that have them.
     """
@@ -111,14 +111,10 @@ def yardstick(study: Study) -> Yardstick | None:
     mask = compared_mask_deg(study)
     find = _as_candidate if study.compare.constellation.pattern is not None else _by_itself
     known, errors = find(study, study.compare.constellation, mask)
-    brackets: dict[str, tuple[float, float]] = {}
-    for name in bracketed_figures(study):
-        low, high = (known.get(end, np.nan) for end in ends(name))
-        if np.isfinite(high - low):
-            brackets[name] = low, high
+    brackets = brackets_of(study, known)
     figures = dict.fromkeys(MERITS, float("nan")) | known
     figures |= {name: 0.5 * (low + high) for name, (low, high) in brackets.items()}
-    return Yardstick(study.compare, mask, figures, errors, brackets)
+    return Yardstick(study.compare, mask, figures, errors | half_brackets(brackets), brackets)
 
 
 def compared_mask_deg(study: Study) -> float:
@@ -179,8 +175,13 @@ def _by_itself(
     ]
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
+    level = LEVELS[NEAR]
+    for name in bracketed_figures(study):
+        if name in BOUNDED:
+            pair = globe_bounds(level, study, name, figures[name], c, mask)
+            figures |= dict(zip(ends(name), pair, strict=True))
     if "areas" in study.stages:
-        figures |= of_areas(study, c, mask, LEVELS[NEAR])
+        figures |= of_areas(study, c, mask, level)
     if study.requirements:
         figures |= settled(study, c, mask)
     if "orbits" in study.stages:

@@ -90,7 +90,7 @@ def test_geometry_stands_in_for_what_only_entries_tell(tiny, monkeypatch):
     gdop = np.random.default_rng(0).permutation(52).astype(float)
     monkeypatch.setattr(survivors, "passed", lambda *_: rows)
     monkeypatch.setattr(
-        survivors, "gather", lambda _store, _keys, names: dict.fromkeys(names, gdop)
+        survivors, "gather", lambda _store, _keys, names, _stages: dict.fromkeys(names, gdop)
     )
     assert set(identities(finalists(study, None))) == set(identities(rows[gdop < 3]))
     both = replace(study, objectives=(*study.objectives, Objective("satellites", 1)))

@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.document import Bracket, Value
 from compass.inputs import read_design
+from compass.inputs.study import Objective
 from compass.orbits import keplerian
+from compass.pages.trade_finalists import known as shown
 from compass.quantities.merits import merits_of
 from compass.study.yardstick import yardstick
 
@@ -47,6 +50,27 @@ def test_by_elements_as_by_pattern(tiny):
     for name in ("count_mean", "availability"):
         assert found.figures[name] == pytest.approx(known.figures[name], rel=0.1), name
     assert np.isnan(found.figures["delta_v_total_m_s"])
+
+
+@pytest.mark.slow
+def test_what_a_study_sorts_by_lies_between_proven_bounds(tiny):
+    """As of the candidates; of the same satellites by elements too, all zones of latitude there."""
+    study = tiny(entry=True)
+    names = ("gdop_p95_zone", "availability")
+    objectives = tuple(Objective(name, sign) for name, sign in zip(names, (1, -1), strict=True))
+    study = replace(study, entry=None, objectives=objectives)
+    known = yardstick(study)
+    c = rolled(study.compare.constellation)
+    found = yardstick(replace(study, compare=replace(study.compare, constellation=c)))
+    for name in names:
+        (low, high), (other_low, other_high) = known.brackets[name], found.brackets[name]
+        assert max(low, other_low) <= min(high, other_high)
+        assert high - low < 0.05 * high and other_high - other_low < 0.05 * other_high
+        assert known.figures[name] == 0.5 * (low + high)
+        assert known.errors[name] == 0.5 * (high - low)
+        value = shown(study, name, known)
+        assert str(value) == str(Value(value.quantity, value.value, Bracket(low, high)))
+        assert " to " in str(value)
 
 
 @pytest.mark.slow

@@ -180,9 +180,9 @@ class Front {
   // What a candidate is, and each of its figures.
   tell(point) {
     const {group, k} = point;
-    const figures = this.axes.map((axis, a) => [axis, group.columns[a][k], group.told?.[a]]).filter(f => f[1] !== null);
+    const figures = this.axes.map((axis, a) => [axis, group.columns[a][k], group.told[a]?.[k]]).filter(f => f[1] !== null);
     const lines = [group.names[k], ...figures.slice(0, 9).map(([axis, v, told]) =>
-      told ? `${axis.title}: ${told}` : `${axis.label}: ${say(v)}`)];
+      told ? `${axis.title}: ${told}` : `${axis.label}: ${say(v)}${axis.sampled ? ", sampled" : ""}`)];
     if (group.few) lines[0] = `${group.label}: ${lines[0]}`;
     compassTip.tell(this.tip, lines, point.x,
       high => Math.min(point.y - high / 2, this.frame.bottom - high), this.plot.clientWidth);
