@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from math import degrees, isinf
+from math import degrees, isinf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from compass.arguments import checked
 from compass.cores import cores, shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
+from compass.coverage.verdict import NEAR
 from compass.coverage.verdict import Verdict as Answer
 from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
@@ -130,17 +131,26 @@ def _said(verdict: Answer) -> str:
     if verdict.reason:
         parts.append(verdict.reason)
     if (worst := verdict.worst) is not None:
-        place = f"latitude {degrees(worst.latitude):z.4f}"
-        if worst.longitude is not None:
-            place += f", longitude {degrees(worst.longitude):z.4f}"
         when = "" if worst.time is None else f" at t = {worst.time:.3f} s"
         word = "missed" if verdict.met is False else "tightest"
-        parts.append(f"{word} at {place} deg{when}, {_value(verdict)}")
+        parts.append(f"{word} at {_place(verdict)}{when}, {_value(verdict)}")
     if verdict.lost:
         alike = f" or one of {verdict.alike} sets alike" if verdict.alike > 1 else ""
         parts.append(f"after the loss of {', '.join(verdict.lost)}{alike}, which hurts most")
     parts.append(verdict.scope)
     return "; ".join(parts)
+
+
+def _place(verdict: Answer) -> str:
+    """Where it is worst; of a site's latitude elsewhere on it, whose it is."""
+    worst, whose = verdict.worst, ""
+    assert worst is not None
+    longitude = "" if worst.longitude is None else f", longitude {degrees(worst.longitude):z.4f}"
+    if (site := verdict.site) is not None:
+        turn = 0.0 if worst.longitude is None else worst.longitude - site.longitude
+        there = abs((turn + pi) % (2 * pi) - pi) < NEAR
+        whose = f"{site.name}, " if there else f"{site.name}'s "
+    return f"{whose}latitude {degrees(worst.latitude):z.4f}{longitude} deg"
 
 
 def _value(verdict: Answer) -> str:

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from compass.api.cluster import check_cluster
-from compass.api.given import given_design, given_places, in_metres
+from compass.api.given import given_places, in_metres, joined_designs
 from compass.api.map_result import MapResult, with_intervals
 from compass.api.map_statistics import extremes_met, folds_met
 from compass.api.progress import bar, foretell, parts_bar
@@ -27,7 +28,7 @@ from compass.study.mapping import DesignMap, MapOptions, MapRows, make_map
 @checked
 def map(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     sites: Site | str | Sequence[Site | str] = (),
     regions: str | Sequence[str] = (),
     step_deg: float = 1.0,
@@ -55,7 +56,7 @@ def map(
     command: str = "",
     progress: bool = False,
 ) -> MapResult:
-    """Count and DOP maps of a design over the sphere and one repeat period.
+    """Count and DOP maps of a design, or of several as one, over the sphere and a repeat period.
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
     in every percentile and against availability. Availability and percentiles of GDOP
@@ -64,8 +65,9 @@ def map(
 
     Parameters
     ----------
-    design
-        A design, or the path of its file.
+    design, *others
+        A design, or the path of its file; with several their satellites together are mapped, in
+        dilutions alone.
     sites, regions
         Where figures are wanted besides those of the whole surface: sites, names of the design's
         stations, or ``NAME=LAT,LON[,MASK]``; ``lat:MIN:MAX`` or ``polygon:LAT,LON;...``, degrees.
@@ -145,7 +147,9 @@ def map(
         error_max_m=error_max_m,
         weights=weights,
     )
-    given = given_design(design)
+    given = joined_designs((design, *others))
+    if others:  # each has ranges of its own
+        given = replace(given, signal=None)
     if each_loss and (given.signal is None or given.integrity is None):
         raise ArgumentError(
             "each_loss: protection after a loss needs what is promised, and the errors of ranges; "

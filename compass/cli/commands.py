@@ -111,10 +111,12 @@ COMMANDS = {
         """,
     ),
     "map": (
-        f"design {AREAS} output picture name step_deg grid epochs altitude_km mask_deg "
+        f"designs {AREAS} output picture name step_deg grid epochs altitude_km mask_deg "
         "beam_deg fold pdop_max motion start_day duration_h error_max_m weights each_loss "
         f"{BOUNDS} workers {CLUSTER} time_series",
-        """Count and DOP maps of a DESIGN over the sphere and one repeat period.
+        """Count and DOP maps of DESIGNS over the sphere and one repeat period.
+
+        Several DESIGNS are one network: their satellites together.
 
         A dilution of precision is infinite with fewer than four satellites in view; infinities
         count in every percentile (JSON: null) and against availability.

@@ -17,7 +17,6 @@ from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.users import Users, by_horizon
 from compass.coverage.verdict import Verdict
 from compass.design import Design
-from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.requirement import ERRORS, Requirement
 from compass.sites import Site
@@ -99,21 +98,9 @@ class Area:
         return self.wanted.name
 
     def over_horizons(self) -> tuple[Users, ...]:
-        """Its users over horizons that stand for beams.
-
-        Raises
-        ------
-        ArgumentError
-            No horizon does.
-        """
-        design = self.design
-        found = [by_horizon(users, design.constellation, design.motion) for users in self.users]
-        if None in found:
-            raise ArgumentError(
-                f"beam_deg: {self.name}: at sites and in regions beams are bounded under circles "
-                "of one radius about a sphere alone, which no force bends; leave these out"
-            )
-        return tuple(one for one in found if one is not None)
+        """Its users over horizons that stand for beams, where some do."""
+        c, motion = self.design.constellation, self.design.motion
+        return tuple(by_horizon(users, c, motion) for users in self.users)
 
     def fold(self) -> Verdict:
         """Whether the satellites wanted are always in view."""
@@ -162,6 +149,7 @@ class Area:
         return asked_place(users, self.course) | {
             "figure": users.figure,
             "mask": users.mask,
+            "beam": users.beam,
             "motion": self.design.motion,
             "budget_boxes": self.near.boxes,
         }

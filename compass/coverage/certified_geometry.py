@@ -109,6 +109,7 @@ def certified_geometry(
     *,
     figure: Figure,
     mask: Mask,
+    beam: float | None = None,
     pdop_max: float = PDOP_MAX,
     percents: Sequence[int] = (95,),
     dops: Sequence[str] = ("gdop",),
@@ -128,7 +129,7 @@ def certified_geometry(
 
     Parameters
     ----------
-    constellation, figure, mask, since, duration, motion, height
+    constellation, figure, mask, beam, since, duration, motion, height
         As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
@@ -150,6 +151,7 @@ def certified_geometry(
     asked: dict[str, Any] = {
         "figure": figure,
         "mask": mask,
+        "beam": beam,
         "since": since,
         "duration": duration,
         "motion": motion,
@@ -169,7 +171,7 @@ def certified_geometry(
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
     in_view = None
     if found is not None:
-        named = ("figure", "mask", "motion", "since", "duration", "height")
+        named = ("figure", "mask", "beam", "motion", "since", "duration", "height")
         in_view = satellites_in_view(
             constellation, shares, found, **{name: asked[name] for name in named}
         )

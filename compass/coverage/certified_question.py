@@ -40,6 +40,7 @@ class Asked(TypedDict, total=False):
     ranges: Ranges | None
     figure: Figure
     mask: Mask | float
+    beam: float | None
     place: Place
     motion: AnyMotion
     height: float
@@ -65,6 +66,8 @@ class Question:
         The ellipsoid over which users stand.
     mask
         A mask, or a constant elevation in radians.
+    beam
+        Half angle of the satellites' antennas about the way down, radians; None all around.
     place
         A region, a `Circle`, a `Spot` or a `Tile`.
     motion, height, closed, since, duration, symmetric
@@ -84,6 +87,7 @@ class Question:
         ranges: Ranges | None = None,
         figure: Figure = DEFAULT_FIGURE,
         mask: Mask | float = 0.0,
+        beam: float | None = None,
         place: Place = GLOBE,
         motion: AnyMotion = "two-body",
         height: float = 0.0,
@@ -111,6 +115,7 @@ class Question:
             since=since,
             duration=duration,
         )
+        self.beam = beam
         self.name, self.folds = dop, dop == "fold"
         self.dop = FOLD if self.folds else DOPS.index(ERROR_DOPS.get(dop, dop))
         self.scale, self.shared = 1.0, 0.0
@@ -175,7 +180,8 @@ class Question:
     def problem(self) -> Problem:
         """What all kernels take last."""
         d, horizon = self.domain, self.horizon
-        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop)])
+        beam = -1.0 if self.beam is None else float(np.cos(self.beam))
+        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop), beam])
         if self.ranges is not None:
             numbers = np.append(numbers, self.ranges.shared_row(self.scale))
         rows = (

@@ -47,12 +47,23 @@ class WorstWitness:
 
 
 def in_view(
-    constellation: Constellation, site: Site, time: float, motion: Motion
+    constellation: Constellation,
+    site: Site,
+    time: float,
+    motion: Motion,
+    beam: float | None = None,
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Mars-fixed places of the satellites in view of a site at a moment, and their names."""
+    """Mars-fixed places of the satellites in view of a site at a moment, and their names.
+
+    Of those alone in whose beam of that half angle it is, if any.
+    """
     angle = prime_meridian_angle(constellation.epoch, time)
     r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
     seen = site.sees(r)
+    if beam is not None:
+        lines = r - site.r_mcmf
+        down = (lines * r).sum(axis=1) / np.linalg.norm(r, axis=1)
+        seen &= down >= np.cos(beam) * np.linalg.norm(lines, axis=1)
     return r[seen], tuple(np.array(constellation.satellite_names)[seen].tolist())
 
 
@@ -63,12 +74,13 @@ def dilution_at(
     motion: Motion,
     dop: str,
     ranges: Ranges | None = None,
+    beam: float | None = None,
 ) -> tuple[float, tuple[str, ...]]:
     """A dilution at a site and moment by inverting the normal matrix, and who is in view.
 
     With ranges of rows over their sigmas: an error in metres, without what all satellites share.
     """
-    r, names = in_view(constellation, site, time, motion)
+    r, names = in_view(constellation, site, time, motion, beam)
     sights = r - site.r_mcmf
     units = sights / np.linalg.norm(sights, axis=1, keepdims=True)
     rows = np.column_stack([units, np.ones(len(units))])

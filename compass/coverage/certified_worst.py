@@ -313,6 +313,6 @@ class _Pursuit:
         latitude = float(planetocentric_latitude(b, q.figure))
         site = Site("", latitude, east, q.height, q.horizon, q.figure)
         moved, name = q.domain.motion, DOPS[q.dop]
-        value, seen = dilution_at(q.constellation, site, time, moved, name, q.ranges)
+        value, seen = dilution_at(q.constellation, site, time, moved, name, q.ranges, q.beam)
         value = float(np.hypot(value, np.sqrt(q.shared)))
         return WorstWitness(float(time), latitude, east, value, seen)

@@ -200,8 +200,8 @@ def geometry_verdict(
     thorough
         Whether the largest value is found of what is always kept or is missed; and `by_samples`.
     by_samples
-        Whether what nothing certifies, protection levels and users in orbit or in beams over no
-        level horizon, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
+        Whether what nothing certifies, protection levels and errors of users who look down from
+        orbit, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def geometry_verdict(
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)
-    if not _is_certified(design, name, everyone):
+    if not _is_certified(name, everyone):
         if thorough or by_samples:
             sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
             return sampled_verdict(
@@ -235,7 +235,6 @@ def geometry_verdict(
         with said_of(requirement.name):
             for users in everyone:
                 seen = by_horizon(users, design.constellation, design.motion)
-                assert seen is not None
                 by_place = requirement.share < 1.0 and requirement.share_of == "time"
                 among = by_place and users.south != users.north
                 where = asked_place(seen, course)
@@ -244,6 +243,7 @@ def geometry_verdict(
                 where |= {
                     "figure": users.figure,
                     "mask": seen.mask,
+                    "beam": seen.beam,
                     "budget_boxes": WORST_BOXES if among else SHARE_BOXES,
                     "motion": design.motion,
                 }
@@ -279,21 +279,20 @@ def asks_for_folds(
     return (
         requirement.share < 1.0
         and course_of(design, days, start_day) is not None
-        and _is_certified(design, FOLD, everyone)
+        and _is_certified(FOLD, everyone)
     )
 
 
 def certified(design: Design, requirement: Requirement) -> bool:
     """Whether bounds are known of all figures that a requirement limits."""
     everyone = users_of(design, requirement)
-    return all(_is_certified(design, name, everyone) for name, _ in requirement.limits)
+    return all(_is_certified(name, everyone) for name, _ in requirement.limits)
 
 
-def _is_certified(design: Design, name: str, everyone: Sequence[Users]) -> bool:
+def _is_certified(name: str, everyone: Sequence[Users]) -> bool:
     """Whether bounds of a figure are known: of errors not below the level, of levels never."""
-    seen = [by_horizon(users, design.constellation, design.motion) for users in everyone]
     level = name in (*DILUTIONS, FOLD) or all(users.mask.lowest >= 0.0 for users in everyone)
-    return name not in LEVELS and None not in seen and level
+    return name not in LEVELS and level
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,7 @@ def satellites_in_view(
     *,
     figure: Figure,
     mask: Mask,
+    beam: float | None = None,
     motion: AnyMotion = "two-body",
     since: float = 0.0,
     duration: float | None = None,
@@ -75,7 +76,7 @@ def satellites_in_view(
 
     Parameters
     ----------
-    constellation, figure, mask, motion, since, duration, height
+    constellation, figure, mask, beam, motion, since, duration, height
         As in `compass.coverage.certified_question.Question`, of which `folds` are answers.
     folds
         Shares with so many in view or more, from one on as far as any were found.
@@ -84,7 +85,8 @@ def satellites_in_view(
     """
     c, model = constellation, as_motion(motion)
     extremes, radius = None, figure.equatorial_radius + height
-    level = height == 0.0 or (figure.is_sphere and float(c.periapsis_radius.min()) > radius)
+    over_sphere = figure.is_sphere and float(c.periapsis_radius.min()) > radius
+    level = beam is None and (height == 0.0 or over_sphere)
     if level and model.model == "two-body":
         extremes = _by_proof(c, radius, figure.stretch, mask, _span(c, since, duration))
     least, most = extremes or _by_shares(folds, found, c.size)

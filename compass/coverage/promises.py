@@ -18,9 +18,6 @@ from compass.design import Design
 from compass.orbits.trajectory import Trajectory
 from compass.requirement import Requirement
 
-#: A verdict at a latitude this near to a site's, radians, is about the site.
-NEAR = 1e-4
-
 
 @dataclass(frozen=True)
 class Promise:
@@ -83,12 +80,10 @@ class Promise:
         """Where it is lost first, or proven for the least time."""
         if self.decides is self.lasting:
             return "" if self.claim is None else self.claim.name
-        worst = None if self.geometry is None else self.geometry.verdict.worst
-        if worst is None:
+        if self.geometry is None or (worst := self.geometry.verdict.worst) is None:
             return ""
-        for site in self.requirement.sites:
-            if abs(site.latitude - worst.latitude) < NEAR:
-                return site.name
+        if (site := self.geometry.verdict.site) is not None:
+            return site.name
         return f"latitude {np.degrees(worst.latitude):z.2f} deg"
 
 

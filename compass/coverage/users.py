@@ -111,24 +111,26 @@ def check_limb(users: Users) -> None:
         )
 
 
-def by_horizon(users: Users, constellation: Constellation, motion: Motion = KEPLER) -> Users | None:
-    """Users over the horizon that stands for the antennas' beam; None where none does.
+def by_horizon(users: Users, constellation: Constellation, motion: Motion = KEPLER) -> Users:
+    """Users over the horizon that stands for the antennas' beam, where one does.
 
-    Under circles of one radius r that the motion keeps, on a sphere, a user at radius u stands at
-    the edge of a beam at the elevation ``acos(r sin(beam) / u)``, and above that inside it; as far
-    below the level, where he looks through to who is beyond the limb, it takes him in again.
+    Under circles of one radius r, on a sphere, a user at radius u stands at the edge of a beam at
+    the elevation ``acos(r sin(beam) / u)``, and above that inside it: a horizon stands for the
+    beam. As far below the level, where he looks through to who is beyond the limb, it takes him in
+    again; there, on an ellipsoid and off such circles the beam stays.
     """
     if users.beam is None:
         return users
-    if not (users.figure.is_sphere and one_circle(constellation) and motion.is_closed_form):
-        return None
+    circles = one_circle(constellation) and motion.is_closed_form
+    if not (users.figure.is_sphere and circles):
+        return users
     reach = float(constellation.semi_major_axis[0]) * np.sin(users.beam)
     edge = reach / (users.figure.equatorial_radius + users.height)
     if users.beam >= 0.5 * np.pi or edge >= 1.0:
         return replace(users, beam=None)
     least = float(np.arccos(edge))
     if users.mask.lowest <= -least:
-        return None
+        return users
     return replace(users, beam=None, mask=users.mask.or_higher(Mask.constant(least)))
 
 

@@ -6,6 +6,10 @@ from typing import Any, Literal
 import numpy as np
 
 from compass.requirement import Requirement
+from compass.sites import Site
+
+#: A verdict at a latitude this near to a site's, radians, is about the site.
+NEAR = 1e-4
 
 EvidenceKind = Literal["proven", "bracket", "sampled", "none"]
 
@@ -114,15 +118,25 @@ class Verdict:
         """How sure it is, in the words of other figures; nothing where nothing is known."""
         return sure(self.evidence)
 
+    @property
+    def site(self) -> Site | None:
+        """Which of the sites asked about it is worst at, or on whose latitude; None elsewhere."""
+        if self.worst is None:
+            return None
+        latitude = self.worst.latitude
+        sites = self.requirement.sites
+        return next((one for one in sites if abs(one.latitude - latitude) < NEAR), None)
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
+        site = {"site": None if self.site is None else self.site.name}
         return {
             "name": self.requirement.name,
             "met": self.met,
             "evidence": self.evidence,
             "share": None if self.share is None else list(self.share),
             "margin_deg": None if self.margin is None else float(np.degrees(self.margin)),
-            "worst": None if self.worst is None else self.worst.as_dict(),
+            "worst": None if self.worst is None else self.worst.as_dict() | site,
             "scope": self.scope,
             "lost": list(self.lost),
             "alike": self.alike,

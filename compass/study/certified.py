@@ -30,8 +30,6 @@ def certified_figures(
 ) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
-    Nor where no horizon stands for beams (`compass.coverage.users.by_horizon`).
-
     For all time where the motion repeats up to a turn of the figure, else over the map's period.
 
     Parameters
@@ -49,8 +47,7 @@ def certified_figures(
     since = options.start_day * SECONDS_PER_DAY
     mask = design.mask if options.mask_deg is None else option_mask(options.mask_deg, high)
     everyone = replace(region_users(GLOBE, design.figure, mask, height=high * 1e3), beam=beam)
-    if (users := by_horizon(everyone, design.constellation, motion)) is None:
-        return None
+    users = by_horizon(everyone, design.constellation, motion)
     hours = options.duration_h
     if hours is None and (since or not motion.is_closed_form):
         hours = repeat_period(design.constellation).duration / 3600.0
@@ -60,6 +57,7 @@ def certified_figures(
         design.constellation,
         figure=design.figure,
         mask=users.mask,
+        beam=users.beam,
         height=users.height,
         pdop_max=options.pdop_max,
         percents=PERCENTS,
@@ -95,7 +93,7 @@ def certified_areas(
     Raises
     ------
     ArgumentError
-        Beams that no horizon stands for.
+        Beams of orbits that are no circles.
     """
     if not (sites or regions) or not design.constellation.size:
         return ()

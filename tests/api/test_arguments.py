@@ -240,7 +240,10 @@ def test_what_fits_comes_as_pythons_own():
             "^inclination: unknown argument; did you mean inclination_deg",
         ),
         (lambda: compass.fold(DESIGN, mask=5), "^mask: unknown argument; did you mean mask_deg"),
-        (lambda: compass.map(DESIGN, radius_km=5), "^radius_km: unknown; allowed design, sites,"),
+        (
+            lambda: compass.map(DESIGN, radius_km=5),
+            "^radius_km: unknown; allowed design, others, sites,",
+        ),
         (
             lambda: compass.walker_delta(15, 5, 1, 45, 20427),
             "^5 arguments by position: allowed satellites, planes, phasing; give the others by "

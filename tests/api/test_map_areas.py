@@ -117,3 +117,18 @@ def test_errors_along_paths_are_asked_of_ranges_without_a_direction(told):
     worst, best = (one[3]["ranges"] for one in told if one[1] == "error_vertical_m")
     assert worst.is_isotropic and best.is_isotropic
     assert worst.covariance[0, 3, 3] > best.covariance[0, 3, 3] >= 4.0
+
+
+def test_several_designs_are_mapped_as_one_network():
+    high = compass.Design(
+        compass.walker_delta(3, 1, 0, inclination_deg=0, radius_km=20000), name="high"
+    )
+    low = compass.Design(
+        compass.walker_delta(2, 2, 1, inclination_deg=80, radius_km=9000), name="low"
+    )
+    grid = {"step_deg": 45, "epochs": 5, "duration_h": 6, "width": 0.9}
+    one, other, both = (compass.map(*d, **grid) for d in ((high,), (low,), (high, low)))
+    assert both.design.name == "high + low"
+    for name in ("count_mean", "cells_count_mean"):
+        added = one.dataset[name].values + other.dataset[name].values
+        assert both.dataset[name].values == pytest.approx(added, rel=1e-6)

@@ -24,6 +24,7 @@ from compass.core.certified.shares import (
     still_open,
 )
 from compass.core.certified.sights import (
+    BEAM,
     FALL,
     FIRST,
     HIGH,
@@ -93,7 +94,9 @@ class Case:
         self.user = np.zeros(USER)
         place(self.box, self.e2, 0.0, self.user)
         n = len(self.domain.orbits)
-        self.numbers, self.ranges = np.zeros(NUMBERS), random_ranges(g, n) if weighed else None
+        self.numbers = np.zeros(NUMBERS)
+        self.numbers[BEAM] = -1.0
+        self.ranges = random_ranges(g, n) if weighed else None
         self.orbits = self.domain.orbits
         if weighed:
             columns = self.ranges.columns(self.orbits, SCALE)
@@ -345,7 +348,7 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
     box[3:6] = 0.2
     problem = Problem(
         domain.orbits, domain.circles, domain.breaks, domain.paths, np.empty((0, 3)),
-        np.array([0.0, 0.0, 0.0, 1.0]), np.zeros((2, 1)),
+        np.array([0.0, 0.0, 0.0, 1.0, -1.0]), np.zeros((2, 1)),
     )  # fmt: skip
     look(box, np.array([36.0]), make_room(len(domain.orbits)), problem)
     assert not box[GIVEN:].any() and still_open(box, 0) > 0.0

@@ -199,7 +199,7 @@ def test_a_requirement_in_metres_is_met_or_missed():
     first, second = found.verdicts
     assert (first.met, second.met, second.evidence) == (True, False, "proven")
     assert second.worst.of == "error_horizontal_m" and second.worst.value > 4.0
-    assert "missed at latitude" in str(found) and "horizontal error, 95 %" in str(found)
+    assert "missed at here" in str(found) and "horizontal error, 95 %" in str(found)
     # the witness is told as it was asked: 1.96 sigma
     plain = geometry_verdict(d, replace(tight, error_as="one-sigma"), "error_horizontal_m", 2.0)
     assert plain.worst.value > 2.0 and FACTOR_95 > 1.9

@@ -212,11 +212,13 @@ def test_users_above_a_ring_see_a_ring():
     assert by_horizon(above, c).mask.lowest == pytest.approx(edge, abs=1e-12)
     exact, same = (clear_share(c, one, 1, width=1e-3) for one in (above, by_horizon(above, c)))
     assert exact.low <= same.high and same.low <= exact.high
-    assert by_horizon(replace(above, beam=np.radians(10.4)), c) is None
-    assert by_horizon(here, c) is None and by_horizon(raised, c) is raised
+    # where none does, the beam stays as it is
+    deep = replace(above, beam=np.radians(10.4))
+    for users in (deep, here, raised):
+        assert by_horizon(users, c) is users
     # forces bend circles: no horizon stands for a beam then
     assert by_horizon(above, c, Motion("j2")) == by_horizon(above, c)
-    assert by_horizon(above, c, Motion("numerical")) is None
+    assert by_horizon(above, c, Motion("numerical")) is above
 
 
 def test_shares_of_a_belt_against_exact_areas_and_of_a_circle_against_samples():

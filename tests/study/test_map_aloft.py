@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import compass
+from compass.coverage.certified_share import certified_folds
 from compass.coverage.errors import ERRORS
+from compass.coverage.in_view import satellites_in_view
 from compass.coverage.maps import DOPS
 from compass.coverage.moving import (
     Mover,
@@ -21,7 +23,7 @@ from compass.coverage.protection import LEVELS, levels_along
 from compass.coverage.requirement_verdict import verdict_of
 from compass.design import Design
 from compass.errors import ArgumentError
-from compass.frames import direction
+from compass.frames import FIGURES, direction
 from compass.integrity import Integrity
 from compass.orbits import walker_delta
 from compass.ranging import Receiver, Signal
@@ -177,10 +179,20 @@ def test_what_no_user_can_be_is_told(options, said):
         compass.map(SEED, step_deg=45, epochs=3, width=0.1, **options)
 
 
-def test_beams_that_no_horizon_stands_for_have_no_bounds():
-    """On an ellipsoid: the map is sampled and drawn; places are refused."""
-    flat = replace(SEED, figure="iau-ellipsoid")
-    found = compass.map(flat, step_deg=45, epochs=3, beam_deg=17)
-    assert found.certified is None and found.drawn is not None
-    with pytest.raises(ArgumentError, match="beams are bounded under circles of one radius"):
-        compass.map(flat, step_deg=45, epochs=3, beam_deg=17, regions=["lat:-10:10"])
+@pytest.mark.slow
+def test_beams_over_an_ellipsoid_have_bounds_and_take_satellites_away():
+    c, flat = PATTERN, FIGURES["iau-ellipsoid"]
+    folds = range(1, c.size + 1)
+    asked = {"figure": flat, "mask": Mask.of(5)}
+    wide, narrow = (
+        satellites_in_view(
+            c,
+            dict(zip(folds, certified_folds(c, folds, width=0.02, **asked, **beam), strict=True)),
+            (0, c.size),
+            **asked,
+            **beam,
+        )
+        for beam in ({}, {"beam": np.radians(14)})
+    )
+    assert 0.0 < narrow.mean[0] < narrow.mean[1] < wide.mean[0]
+    assert narrow.least[1] <= wide.least[0] and narrow.most[1] < wide.most[0]

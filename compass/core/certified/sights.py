@@ -40,6 +40,16 @@ bounds the first two anywhere, and is taken where it is less, is several times a
 ``e^il (cos b, .)``::
 
     |n'''|^2 <= sm^2 (hb^3 + 3 hb hl^2)^2 + cm^2 (hl^3 + 3 hl hb^2)^2 + cm^2 hb^6
+
+In a satellite's beam, half angle c about the way down w = q/|q|, where
+
+    G = |q| - p.w - cos c |q - p| >= 0
+
+With qm = |q| - S the least that |q| becomes, ``|w'| <= S/qm``, ``|w''| <= A ht^2/qm + 3 (S/qm)^2``
+and ``||q|''| <= A ht^2 + S^2/qm``; on a circle |q| stands still, and ``|w''| = |q''|/|q|``. So G
+strays from its tangent by no more than half of
+``|p''| + 2 |p'||w'| + |p||w''| + ||q|''| + |cos c| (Acc + V^2/rm)``. Where one rim alone passes
+through a box, that cuts it; where both do, none of it is surely seen.
 """
 
 import math
@@ -68,9 +78,12 @@ USER = 26
 ORBIT = 12
 
 #: What the kernels take in one array: eccentricity squared of the ellipsoid, error of the
-#: satellites' places, height of users, which dilution (as `compass.core.dop`); then
-#: what all ranges share.
-E2, SLACK, HEIGHT, DOP, NUMBERS = 0, 1, 2, 3, 4
+#: satellites' places, height of users, which dilution (as `compass.core.dop`), cosine of the half
+#: angle of the satellites' beams, -1 where they reach all around; then what all ranges share.
+E2, SLACK, HEIGHT, DOP, BEAM, NUMBERS = 0, 1, 2, 3, 4, 5
+
+#: What a rim cannot fall below: nothing of a box is surely seen.
+NOWHERE = 1e9
 
 #: What rounding can move a sight by, relative to the satellite's distance.
 SIGHT_ROUNDING = 1e-12
@@ -229,6 +242,38 @@ def azimuth_reach(user, ex, ey, ez, first):
 
 
 @fused_kernel
+def in_beam(row, user, q, moved, r, away, beam, rest):
+    """Whether a box is in a satellite's beam: 0 nowhere, 1 all of it, 2 in part.
+
+    Where the beam's rim alone passes through the box, it takes the place of the mask's in the row.
+    `moved` is how far the satellite goes in half of the box's time, `rest` how far the rim strays
+    from its tangent.
+    """
+    at = away - (user[3] * q[0] + user[4] * q[1] + user[5] * q[2]) / away - beam * r
+    s0 = -(user[12] * q[0] + user[13] * q[1] + user[14] * q[2]) / away
+    s1 = -(user[15] * q[0] + user[16] * q[1] + user[17] * q[2]) / away
+    rise = (moved[0] * q[0] + moved[1] * q[1] + moved[2] * q[2]) / away
+    down = (user[3] * q[0] + user[4] * q[1] + user[5] * q[2]) / away
+    s2 = rise - (user[3] * moved[0] + user[4] * moved[1] + user[5] * moved[2] - down * rise) / away
+    s0 -= beam * row[DISTANCE + 1]
+    s1 -= beam * row[DISTANCE + 2]
+    s2 -= beam * row[DISTANCE + 3]
+    reach = abs(s0) + abs(s1) + abs(s2)
+    if at + reach + rest < 0.0:
+        return 0
+    if at - reach - rest >= 0.0:
+        return 1
+    least = row[HIGH] - abs(row[HIGH + 1]) - abs(row[HIGH + 2]) - abs(row[HIGH + 3])
+    if least - row[FALL] >= 0.0:
+        for rim in (HIGH, LOW):
+            row[rim], row[rim + 1], row[rim + 2], row[rim + 3] = at, s0, s1, s2
+        row[FALL] = row[RISE] = rest
+    else:
+        row[FALL] = NOWHERE
+    return 2
+
+
+@fused_kernel
 def sights(box, user, orbits, q, dq, numbers, level, mask, rows, kinds):
     """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
 
@@ -258,6 +303,8 @@ def sights(box, user, orbits, q, dq, numbers, level, mask, rows, kinds):
     slack, weighed = numbers[SLACK], orbits.shape[1] > ORBIT
     ht, v, wn = box[5], user[18], user[19]
     nx, ny, nz = user[0], user[1], user[2]
+    beam = numbers[BEAM]
+    out = 1.0 + abs(numbers[HEIGHT])  # no user is farther from the centre
     constant = azimuths.size == 1
     lowest, highest = elevations.min(), elevations.max()
     sin_high, sin_low = math.sin(highest), math.sin(lowest)
@@ -335,6 +382,23 @@ def sights(box, user, orbits, q, dq, numbers, level, mask, rows, kinds):
         if most + row[RISE] < 0.0:
             continue
         kinds[count] = 1 if least - row[FALL] >= 0.0 else 2
+        if beam > -1.0:
+            least_out = away - speed - slack
+            if least_out <= 0.1 * away:
+                return -1
+            turned, spun = speed / least_out, bend / least_out
+            bent = user[20] + 2.0 * user[21] * turned + abs(beam) * far
+            # paths have no rate of the mean anomaly
+            if orbits[k, 1] != 0.0 or orbits[k, 9] == 0.0:
+                spun += 3.0 * turned * turned
+                bent += bend + speed * turned
+            bent += out * spun
+            error = SIGHT_ROUNDING * (away + out) + (2.0 + out / least_out) * slack
+            inside = in_beam(row, user, q[k], (tx, ty, tz), r, away, beam, 0.5 * bent + error)
+            if inside == 0:
+                continue
+            if inside == 2:
+                kinds[count] = 2
         rate = 0.0
         if weighed:
             rate = min(chord(row) + second, turn + slack / nearest)
