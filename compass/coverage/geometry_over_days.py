@@ -18,12 +18,12 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
 from compass.coverage.geometry_verdict import (
-    FOLD,
     WIDTH,
     asks_for_folds,
     certified,
     geometry_verdict,
 )
+from compass.coverage.value_limit import FOLD
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design
 from compass.frames import SECONDS_PER_DAY

@@ -1,9 +1,4 @@
-"""Whether a dilution of precision, or an error, is small enough, always or for long enough.
-
-Errors are asked about of ranges that are no better than they ever are, as with the Sun overhead of
-all users, when the ionosphere delays most, and of those that are no worse, as with the Sun set:
-what is kept by the first is kept, what is broken by the second is broken.
-"""
+"""Whether a dilution of precision, or an error, is small enough, always or for long enough."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,24 +6,18 @@ from math import inf
 from typing import Any
 
 from compass.coverage.certificate import Outcome
-from compass.coverage.certified_effort import FOLD_PER_SHARE, Effort
+from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Circle, Spot
-from compass.coverage.certified_ranges import (
-    ERROR_DOPS,
-    Ranges,
-    sigma_allowed,
-    skies_of,
-)
 from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
-from compass.coverage.certified_witness import WorstWitness, in_view
+from compass.coverage.certified_witness import in_view
 from compass.coverage.certified_worst import CertifiedAlways
-from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.protection import LEVELS
 from compass.coverage.region import latitude_band
 from compass.coverage.sampled_verdict import sampled_verdict
 from compass.coverage.users import Users, by_horizon, centric, geodetic
+from compass.coverage.value_limit import FOLD, ValueLimit, value_limit
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design
 from compass.errors import said_of
@@ -36,142 +25,10 @@ from compass.orbits import Constellation
 from compass.orbits.symmetry import alike_longitudes, one_circle
 from compass.requirement import DILUTIONS, Requirement
 from compass.sites import Site
-from compass.words import counted
 
 #: Boxes for each share, and for that at the worst of several places; and how near bounds of shares
 #: are to come where the requirement leaves it open.
 SHARE_BOXES, WORST_BOXES, WIDTH = 600_000, 500_000, 1e-4
-
-#: How near bounds of the share at the worst place come where that is wanted, and where it is open
-#: on which side of the share wanted they are.
-WORST_WIDTH, WORST_FINEST = 1e-3, 1e-5
-
-#: What satellites in view are called among figures; so many or more keep their limit.
-FOLD = "fold"
-
-#: How near bounds of the largest value come, relative to it.
-LARGEST = 1e-2
-
-
-Span = tuple[float, float] | None
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """A figure and its largest value allowed, and how it is found.
-
-    Attributes
-    ----------
-    name, limit
-        One of `compass.requirement.LIMITS`, and its limit as kernels of figures take it.
-    title
-        Of the figure, in words.
-    factor
-        What values found are multiplied by to mean what the requirement does.
-    skies
-        Ranges that errors are of, no better than they are and, where that differs, no worse; of a
-        dilution None.
-    """
-
-    name: str
-    limit: float
-    title: str
-    factor: float
-    skies: tuple[Ranges | None, ...]
-
-    def share(
-        self,
-        effort: Effort,
-        left: Constellation,
-        lost: Sequence[int],
-        where: dict[str, Any],
-        width: float,
-        level: float,
-    ) -> CertifiedShare:
-        """Share with the figure small enough, wherever the Sun stands, its bounds so near.
-
-        By fold, of which rims are nearly everywhere, so near only where they lie on both sides of
-        `level`.
-        """
-        if self.name == FOLD and effort.width is None:
-            coarse = effort.share(
-                left, self.limit, width=FOLD_PER_SHARE * width, **self._asked(None, lost), **where
-            )
-            if coarse.stopped or not coarse.low < level <= coarse.high:
-                return coarse
-        found = [
-            effort.share(left, self.limit, width=width, **self._asked(sky, lost), **where)
-            for sky in self.skies
-        ]
-        return found[0] if len(found) == 1 else replace(found[0], high=found[1].high)
-
-    def worst_place(
-        self,
-        effort: Effort,
-        left: Constellation,
-        lost: Sequence[int],
-        where: dict[str, Any],
-        level: float,
-        thorough: bool,
-    ) -> tuple[CertifiedShare, float]:
-        """Share of time with the figure small enough where that is least, and the latitude.
-
-        Bounds of each sky, until they tell whether it is a share of `level` or more; if `thorough`
-        until they are near one another too.
-        """
-        width, narrow = (WORST_FINEST, WORST_WIDTH) if thorough else (WORST_WIDTH, inf)
-        found = [
-            certified_worst_place(
-                left,
-                self.limit,
-                level,
-                effort=effort,
-                width=width,
-                narrow=narrow,
-                **self._asked(sky, lost),
-                **where,
-            )
-            for sky in self.skies
-        ]
-        if len(found) == 1:
-            return found[0]
-        return replace(found[0][0], high=found[1][0].high), found[0][1]
-
-    def always(
-        self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
-    ) -> CertifiedAlways:
-        """Claim that it is always small enough: proven by the first sky, refuted by the last."""
-        claim = effort.always(left, self.limit, **self._asked(self.skies[0], lost), **where)
-        if len(self.skies) > 1 and claim.outcome == Outcome.REFUTED:
-            claim = effort.always(left, self.limit, **self._asked(self.skies[1], lost), **where)
-            if claim.outcome == Outcome.PROVEN:  # of the better ranges alone
-                return replace(claim, outcome=Outcome.UNDECIDED)
-        return claim
-
-    def largest(
-        self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
-    ) -> tuple[WorstWitness | None, float]:
-        """Where and when it is largest, of ranges no worse than they are, and an upper bound."""
-        found = [
-            effort.worst(left, precision=LARGEST, **self._asked(sky, lost), **where)
-            for sky in self.skies
-        ]
-        return found[-1].witness, found[0].high
-
-    def _asked(self, sky: Ranges | None, lost: Sequence[int]) -> dict[str, Any]:
-        return {"dop": self.name, "ranges": None if sky is None else sky.without(lost)}
-
-
-def _question(
-    design: Design, requirement: Requirement, name: str, limit: float, span: Span, height: float
-) -> _Asked:
-    if name == FOLD:
-        return _Asked(name, limit, f"{counted(int(limit), 'satellite')} in view", 1.0, (None,))
-    title = f"{requirement.titled(name)} small enough"
-    if name not in ERROR_DOPS:
-        return _Asked(name, limit, title, 1.0, (None,))
-    allowed = sigma_allowed(requirement, limit)
-    return _Asked(name, allowed, title, limit / allowed, skies_of(design, span, height))
 
 
 def geometry_verdict(
@@ -201,7 +58,8 @@ def geometry_verdict(
         Whether the largest value is found of what is always kept or is missed; and `by_samples`.
     by_samples
         Whether what nothing certifies, protection levels and errors of users who look down from
-        orbit, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
+        orbit, and of users in beams that no horizon stands for what bounds leave open when they
+        end early, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
 
     Raises
     ------
@@ -217,17 +75,20 @@ def geometry_verdict(
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)
+
+    def sampled() -> Verdict:
+        sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
+        lost = [one[:2] for one in sets]
+        return sampled_verdict(design, requirement, name, limit, everyone, lost, course)
+
     if not _is_certified(name, everyone):
         if thorough or by_samples:
-            sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
-            return sampled_verdict(
-                design, requirement, name, limit, everyone, [one[:2] for one in sets], course
-            )
+            return sampled()
         reason = f"{requirement.titled(name)} of these users is not certified, but sampled by "
         reason += "`compass check`"
         return undecided(requirement, course.words, reason)
     height = max(users.height for users in everyone)
-    asked = _question(design, requirement, name, limit, course.span, height)
+    asked = value_limit(design, requirement, name, limit, course.span, height)
     sky = asked.skies[0]
     same = sky is None or sky.keeps_symmetry
     for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
@@ -265,7 +126,26 @@ def geometry_verdict(
     if sky is not None:
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"
     settled = _always(design, requirement, asked, scope, claims, effort if thorough else None)
-    return settled or _verdict(requirement, asked, scope, found)
+    settled = settled or _verdict(requirement, asked, scope, found)
+    in_beams = any(by_horizon(users, c, design.motion).beam is not None for users in everyone)
+    ended_early = settled.met is None and settled.stopped and not effort.interrupted
+    if in_beams and ended_early and name != FOLD and (thorough or by_samples):
+        return _beside(settled, sampled(), everyone)
+    return settled
+
+
+def _beside(proof: Verdict, sampled: Verdict, everyone: Sequence[Users]) -> Verdict:
+    """Verdict of samples beside a proof that is open, which stays where samples tell no more."""
+    wanted, bounds, seen = proof.requirement, proof.share, sampled.share
+    assert bounds is not None
+    assert seen is not None
+    together = wanted.share < 1.0 and wanted.share_of == "time"
+    together &= any(users.south != users.north for users in everyone)
+    if sampled.met is None and (together or bounds[1] - bounds[0] <= seen[1] - seen[0]):
+        return proof
+    said = f"no proof: the share surely lies between {bounds[0]:.6g} and {bounds[1]:.6g}; "
+    said += f"{ended(proof.stopped)}; `compass check --budget-s` looks longer"
+    return replace(sampled, scope=f"{sampled.scope}; {said}", stopped=proof.stopped)
 
 
 def asks_for_folds(
@@ -311,7 +191,7 @@ class _Claim:
 def _always(
     design: Design,
     requirement: Requirement,
-    asked: _Asked,
+    asked: ValueLimit,
     scope: str,
     claims: list[_Claim],
     effort: Effort | None,
@@ -395,7 +275,7 @@ def asked_place(users: Users, course: Course) -> dict[str, Any]:
 
 def _verdict(
     requirement: Requirement,
-    asked: _Asked,
+    asked: ValueLimit,
     scope: str,
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]],
 ) -> Verdict:

@@ -7,8 +7,9 @@ from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import course_of, fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
-from compass.coverage.geometry_verdict import FOLD, asks_for_folds, geometry_verdict
+from compass.coverage.geometry_verdict import asks_for_folds, geometry_verdict
 from compass.coverage.period_verdict import by_one_period
+from compass.coverage.value_limit import FOLD
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design
 from compass.errors import ArgumentError

@@ -69,7 +69,7 @@ def test_a_box_sees_whom_each_of_its_points_sees(motion, beam, height):
     for box in boxes(question, 3, 40):
         place(box, numbers[0], numbers[2], user)
         states(orbits, circles, breaks, paths, box[2], q, dq)
-        count = sights(box, False, room, problem)
+        count = sights(box, user, orbits, q, dq, numbers, False, problem.mask, rows, kinds)
         if count < 0:
             continue
         # a row is known by its line of sight in the middle

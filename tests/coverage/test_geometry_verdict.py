@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compass.coverage import geometry_verdict as module
+from compass.coverage import value_limit
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
@@ -129,7 +130,9 @@ def test_a_share_of_area_and_time_lies_between_those_of_its_parts(monkeypatch):
         found = iter([SimpleNamespace(low=0.1, high=h, value=h, stopped="") for h in highs])
         monkeypatch.setattr(Effort, "share", lambda *_, **__: next(found))
         monkeypatch.setattr(module, "asked_place", lambda *_: {})
-        monkeypatch.setattr(module, "certified_worst_place", lambda *_, **__: (next(found), 0.1))
+        monkeypatch.setattr(
+            value_limit, "certified_worst_place", lambda *_, **__: (next(found), 0.1)
+        )
         asked = replace(wanted, share_of=share_of)
         return geometry_verdict(Design(pattern), asked, "pdop", 6.0)
 
@@ -147,3 +150,31 @@ def test_what_cannot_be_asked_is_refused_by_the_requirement_s_name():
     )
     with pytest.raises(ArgumentError, match=r"^orbiters: altitude_km = 17030.8: among the sat"):
         geometry_verdict(Design(pattern), wanted, "pdop", 6.0)
+
+
+@pytest.mark.slow
+def test_in_beams_samples_tell_what_bounds_leave_open(monkeypatch):
+    """Where no horizon stands for a beam, as over an ellipsoid; how wide its bounds are is told."""
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    design = Design(c, figure="iau-ellipsoid")
+    wanted = Requirement(
+        "w", regions=("lat:-20:20",), beam=math.radians(9.2), share=0.6, share_of="area-time"
+    )
+
+    def settled(requirement, **options):
+        return geometry_verdict(design, requirement, "pdop", 8.0, **options)
+
+    proven = settled(wanted, effort=Effort(width=5e-3))
+    assert proven.evidence == "bracket" and proven.share[1] - proven.share[0] <= 5e-3
+    monkeypatch.setattr(module, "SHARE_BOXES", 200)
+    monkeypatch.setattr(module, "WORST_BOXES", 200)
+    left = settled(wanted)
+    assert (left.met, left.evidence, left.stopped) == (None, "bracket", "boxes")
+    for told in (settled(wanted, by_samples=True), settled(wanted, thorough=True)):
+        assert (told.met, told.evidence) == (proven.met, "sampled")
+        assert told.share[0] < proven.share[1] and proven.share[0] < told.share[1]
+        between = f"between {left.share[0]:.6g} and {left.share[1]:.6g}"
+        assert f"no proof: the share surely lies {between}; ended early" in told.scope
+    # of the worst place of a region samples tell less than bounds
+    place = replace(wanted, share_of="time", share=0.8)
+    assert settled(place, by_samples=True) == settled(place)
