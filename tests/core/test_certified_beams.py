@@ -48,7 +48,7 @@ def test_a_box_sees_whom_each_of_its_points_sees(motion, beam, height):
         pattern = replace(pattern, eccentricity=np.full(PATTERN.size, 0.3))
     moved = Motion("two-body")
     if motion == "paths":
-        path = Motion("numerical").trajectory(pattern, 0.0, 1e5)
+        path = Motion("numerical").trajectory(pattern, 0.0, 3e4)
         moved = Motion("ephemeris", table=path)
     question = Question(
         pattern,
@@ -57,7 +57,7 @@ def test_a_box_sees_whom_each_of_its_points_sees(motion, beam, height):
         figure=ELLIPSOID,
         height=height,
         dop="fold",
-        duration=1e5,
+        duration=3e4,
         motion=moved,
     )
     problem = question.problem()
