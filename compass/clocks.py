@@ -59,9 +59,17 @@ class Clock:
 
     @property
     def title(self) -> str:
-        """Its name as people write it."""
+        """Its name as people write it, and the numbers that are not those of that name."""
         parts = self.name.split("-")
-        return "-".join(p.upper() if p in ("uso", "csac", "rafs", "dsac") else p for p in parts)
+        name = "-".join(p.upper() if p in ("uso", "csac", "rafs", "dsac") else p for p in parts)
+        usual = next((clock for clock in CLOCKS if clock.name == self.name), None)
+        own = {
+            key: getattr(self, key)
+            for key in PARAMETERS
+            if getattr(self, key) != (getattr(usual, key) if usual else 0.0)
+        }
+        told = ", ".join(f"{key} {value:.3g}" for key, value in own.items())
+        return f"{name} ({told})" if told else name
 
     def deviation(self, tau: ArrayLike) -> NDArray[np.float64]:
         """Allan deviation at averaging times of tau seconds."""

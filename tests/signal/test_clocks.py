@@ -68,6 +68,10 @@ def test_every_clock_of_the_registry_has_numbers_and_a_source():
         assert clock_named(clock.name) == clock
     changed = clock_named("rafs", drift_per_day=1e-13)
     assert (changed.white, changed.drift_per_day) == (1.9e-12, 1e-13)
+    assert clock_named("rafs").title == "RAFS"
+    # whose numbers are not those of the name is not called by the name alone
+    assert changed.title == "RAFS (drift_per_day 1e-13)"
+    assert Clock(white=2e-12, walk=1e-17).title == "given (white 2e-12, walk 1e-17)"
 
 
 def test_a_wrong_name_gets_the_right_ones():
