@@ -94,6 +94,7 @@ class PlainFigure(Figure):
     def _plain(self) -> Iterator[None]:
         """Texts as they are written, in the project's look."""
         for axes in self.axes:
+            axes.title.set_wrap(True)  # at the figure's edges: names are as long as users like
             for axis in (axes.xaxis, axes.yaxis):
                 for get, put in (
                     (axis.get_major_formatter, axis.set_major_formatter),

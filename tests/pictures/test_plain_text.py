@@ -127,3 +127,15 @@ def test_no_name_is_printed_over_another():
     figure.names += [axes.text(x, 0.5, "Utopia") for x in (0.1, 0.12, 0.7)]
     assert b"Utopia" in picture(figure, "x", "x", "x").drawn
     assert [name.get_visible() for name in figure.names] == [True, False, True]
+
+
+def test_no_title_is_wider_than_its_picture():
+    """Names are as long as users like; beside a legend there is less room than above it."""
+    figure = new_figure(6, 3)
+    axes = figure.add_subplot()
+    axes.plot([1, 2], [1, 2], label="a kind of tracking that is told beside the axes")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes.set_title("A constellation with a long name: how well its orbits are known over time")
+    figure.canvas.draw()
+    box = axes.title.get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
