@@ -8,7 +8,7 @@ from compass.entry.accuracy import Accuracy
 from compass.entry.assess import Assessment
 from compass.entry.dispersed import Dispersed
 from compass.inputs.scenario import Scenario
-from compass.signal.budget import basis
+from compass.signal.budget import basis, shared_left_out
 from compass.units import KM
 
 #: Degrees that lines to satellites may turn from mid-flight on before it is said: an error along
@@ -77,9 +77,11 @@ def satellite_words(scenario: Scenario, assessment: Assessment) -> list[str]:
                 "table [signal] to count what is not known of them."
             )
         else:
+            left_out = shared_left_out(design.signal, design.figure.equatorial_radius)
             words.append(
                 f"Considered of {design.name}: {basis(design)}; as errors of the range to each "
-                f"satellite that stay as they are in mid-flight{_turning(assessment)}."
+                f"satellite that stay as they are in mid-flight{_turning(assessment)}"
+                + (f"; {left_out}." if left_out else ".")
             )
     if not assessment.known_exactly and scenario.fusion is not None:
         words.append("Filters of [fusion] take orbits and clocks of satellites as known exactly.")

@@ -141,16 +141,18 @@ class LocateResult(Result):
         error, until = quantity("standing_error_m"), quantity("until_goal_h")
         n, held = self.design.constellation.size, self.best.until
         known = (
-            f"not to {self.goal_m:g} m in {self.hours[-1]:.4g} h"
+            f"not known to {self.goal_m:g} m within {self.hours[-1]:.4g} h"
             if held is None
-            else f"to {self.goal_m:g} m after {Value(until, held)} h"
+            else f"known to {self.goal_m:g} m after {Value(until, held)} h"
         )
         few, many = self.seen.min(), self.seen.max()
         in_view = f"{few}" if few == many else f"{few} to {many}"
         claim = (
             f"{self.site.name}, standing still, {counted(n, 'satellite')}, {in_view} in view at "
-            f"once: place known {known}, clock held and height known"
+            f"once: place {known}, clock held and height known"
         )
+        if not many:
+            claim += "; nothing is ever measured: no satellite rises above the horizon meanwhile"
         shown = [k for k in (10 / 60, 1.0, 3.0) if k < self.hours[-1]] + [float(self.hours[-1])]
         at = [int(np.searchsorted(self.hours, hour - 1e-9)) for hour in shown]
         header = (

@@ -8,6 +8,9 @@ In each direction the level L solves (Working Group C, ARAIM Technical Subgroup 
 report; Reference Airborne Algorithm Description 3.0)
 ``2 Q((L - b_0)/s_0) + sum p_k Q((L - T_k - b_k)/s_k) = P_HMI less the unmonitored share``,
 with the thresholds ``T_k = K s_ss,k`` and Q the tail of the normal distribution.
+
+What all satellites have wrong alike (their frame's orientation) moves every one of those fixes the
+same way: it adds to the s of each horizontal direction, and no comparison of fixes sees it.
 """
 
 import math
@@ -17,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.dop import row_runs
-from compass.core.error import DELAY2, range_variance, ranges_in_view
+from compass.core.error import DELAY2, SHARED, range_variance, ranges_in_view
 from compass.core.ionosphere import sunlit
 from compass.core.jit import kernel
 from compass.core.ranking import BINS, add_to_histogram
@@ -76,7 +79,7 @@ def level(sigma, bias, sigmas, thresholds, biases, fault, risk):
 
 
 @kernel
-def protect(g, variances, numbers, unmonitored, levels):
+def protect(g, variances, shared, numbers, unmonitored, levels):
     """Protection levels east, north and up of one user; False where no fault can be detected.
 
     Parameters
@@ -85,6 +88,8 @@ def protect(g, variances, numbers, unmonitored, levels):
         Rows of the design matrix: east, north, up and clock, shape (n, 4).
     variances
         Of the ranges, m^2, shape (n,).
+    shared
+        Variance of a horizontal coordinate that all satellites share, m^2.
     numbers
         Of the promise: see above.
     unmonitored
@@ -119,10 +124,10 @@ def protect(g, variances, numbers, unmonitored, levels):
         return True
     sigmas, thresholds, biases = np.empty(n), np.empty(n), np.zeros(n)
     for q in range(3):
-        bias = 0.0
+        bias, alike = 0.0, p[q, q] + (shared if q < 2 else 0.0)
         for k in range(n):
             more = pg[k, q] * pg[k, q] / (variances[k] * left[k])
-            sigmas[k] = math.sqrt(p[q, q] + more)
+            sigmas[k] = math.sqrt(alike + more)
             thresholds[k] = numbers[FACTOR + q] * math.sqrt(more)
         if numbers[BIAS] > 0.0:
             for i in range(n):
@@ -131,15 +136,13 @@ def protect(g, variances, numbers, unmonitored, levels):
                 biases[k] = 0.0
                 for i in range(n):
                     if i != k:
-                        shared = 0.0
+                        between = 0.0
                         for a in range(4):
-                            shared += pg[k, a] * g[i, a]
-                        row = pg[i, q] + pg[k, q] * shared / (variances[k] * left[k])
+                            between += pg[k, a] * g[i, a]
+                        row = pg[i, q] + pg[k, q] * between / (variances[k] * left[k])
                         biases[k] += numbers[BIAS] * abs(row) / variances[i]
         risk = numbers[RISK + q] * (1.0 - unmonitored)
-        levels[q] = level(
-            math.sqrt(p[q, q]), bias, sigmas, thresholds, biases, numbers[FAULT], risk
-        )
+        levels[q] = level(math.sqrt(alike), bias, sigmas, thresholds, biases, numbers[FAULT], risk)
     return True
 
 
@@ -215,7 +218,12 @@ def protection_row(
                     )
                     size += 1
             able = protect(
-                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], of_user
+                g[:size],
+                variances[:size],
+                numbers[SHARED],
+                promise.numbers,
+                promise.unmonitored[size],
+                of_user,
             )
             level[0, j] = math.sqrt(of_user[0] * of_user[0] + of_user[1] * of_user[1])
             level[1, j] = of_user[2]
@@ -263,7 +271,12 @@ def levels_over_time(places, axes, r, seen, ranges, promise, out, able):
                     + axes[t, d, 2] * lines[k, 2]
                 )
         able[t] = protect(
-            g[:size], variances[:size], promise.numbers, promise.unmonitored[size], levels
+            g[:size],
+            variances[:size],
+            ranges.numbers[SHARED],
+            promise.numbers,
+            promise.unmonitored[size],
+            levels,
         )
         out[t, 0] = math.sqrt(levels[0] * levels[0] + levels[1] * levels[1])
         out[t, 1] = levels[2]

@@ -45,8 +45,11 @@ class Doubts:
             given = mean_age_covariance(signal, satellites)
         return Unknowns((self.clock_m, self.clock_drift_m_s), given, self.range_bias_m)
 
-    def sentence(self, own: list[str]) -> str:
-        """Say what is counted; `own` names the designs whose satellites have their own errors."""
+    def sentence(self, own: dict[str, str]) -> str:
+        """Say what is counted; `own`: designs whose satellites have their own errors.
+
+        With what is left out of each, as of `compass.signal.budget.shared_left_out`.
+        """
         clock = (
             f"the receiver's clock, known to {self.clock_m:g} m and {self.clock_drift_m_s:g} m/s "
             "at first and estimated"
@@ -61,7 +64,8 @@ class Doubts:
         )
         if own:
             said += f"; orbits and clocks of {', '.join(own)} by its own table [signal]"
-        return f"{said}."
+        left_out = [f"of {name} {words}" for name, words in own.items() if words]
+        return "; ".join([said, *left_out]) + "."
 
 
 #: Satellites known exactly, and clocks that agree.

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.clocks import Clock
+from compass.core.error import SHARED
 from compass.core.gather import EACH, OWN, gather
 from compass.design import Design
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.signal.budget import mean_age_covariance, receiver_numbers
 from compass.signal.determination import clock_noise
-from compass.signal.ranges import radial_along_cross
+from compass.signal.ranges import radial_along_cross, shared_numbers
 from compass.sites import Site
 
 #: How far the place is known before, m: east and north, and up where no height is given.
@@ -128,4 +129,5 @@ def standing_covariance(
     step = float(sights.times[1] - sights.times[0])
     out = np.empty((sights.times.size, 3, 3))
     gather(p, sights.rows, sights.variances, step, clock_noise(clock, step), clock is None, out)
+    out[:, (0, 1), (0, 1)] += shared_numbers(design)[SHARED]  # no time of standing takes it away
     return out

@@ -194,6 +194,7 @@ def test_a_landing_heeds_the_signal_of_its_beacons_design(coarse, tmp_path):
         design = tmp_path / "beacons.toml"
         signal = (
             f"[signal]\nclock_m = {clock}\nephemeris_m = [2, 8, 5]\nreceiver = {{ noise_m = 1 }}\n"
+            "common_m = { orientation_mas = 1000 }\n"
         )
         design.write_text(f"{beacons}\n{signal}")
         own = (str(DESIGNS / "compass-15-5-1.toml"), str(design))
@@ -208,3 +209,6 @@ def test_a_landing_heeds_the_signal_of_its_beacons_design(coarse, tmp_path):
     assert 50 * share[3.0] < share[300.0] < 100 * share[3.0]  # heavier noise is averaged better
     words = run("land", path, "--runs", 2).stdout
     assert "Considered of COMPASS 15/5/1" in words and "Where the error of the known place" in words
+    # 1000 mas on each of two axes, at 3396.2 km
+    assert "left out: what all satellites have wrong alike (common_m)" in words
+    assert "moves every place on the ground by 23.3 m horizontally, one sigma." in words

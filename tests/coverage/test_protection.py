@@ -47,18 +47,21 @@ def separations(g, variances):
     return np.array(found)
 
 
-@pytest.mark.parametrize("bias", [0.0, 0.7])
+@pytest.mark.parametrize(("bias", "shared"), [(0.0, 0.0), (0.7, 900.0)])
 @pytest.mark.parametrize("n", [5, 8])
-def test_levels_solve_the_equation(n, bias):
-    """Fixes without one range by leaving it out, the root by Brent's method; to 1e-6 of it."""
+def test_levels_solve_the_equation(n, bias, shared):
+    """Fixes without one range by leaving it out, the root by Brent's method; to 1e-6 of it.
+
+    An error that all satellites share moves every fix alike and no difference of two.
+    """
     g, variances = sky(n, n)
     promise = Integrity(bias=bias)
     numbers, levels = promise_numbers(promise, n), np.empty(3)
     unmonitored = promise.unmonitored(n) / promise.hazard
-    assert protect(g, variances, numbers, unmonitored, levels)
+    assert protect(g, variances, shared, numbers, unmonitored, levels)
     S = separations(g, variances)
     for q, share in enumerate((0.25, 0.25, 0.5)):
-        sigma = np.sqrt((S[:, q] ** 2 * variances).sum(axis=1))
+        sigma = np.sqrt((S[:, q] ** 2 * variances).sum(axis=1) + (shared if q < 2 else 0.0))
         apart = np.sqrt((((S[1:] - S[0])[:, q]) ** 2 * variances).sum(axis=1))
         threshold = norm.isf(share * promise.alarm / (2 * n)) * apart
         b = np.abs(S[:, q]).sum(axis=1) * bias
@@ -81,7 +84,7 @@ def test_injected_faults_are_missed_no_more_often_than_is_allowed():
     promise = Integrity(hazard=1e-3, fault=2e-3, alarm=1e-2)
     numbers, levels = promise_numbers(promise, n), np.empty(3)
     unmonitored = promise.unmonitored(n) / promise.hazard
-    assert protect(g, variances, numbers, unmonitored, levels)
+    assert protect(g, variances, 0.0, numbers, unmonitored, levels)
     S = separations(g, variances)
     rng = np.random.default_rng(11)
     noise = rng.standard_normal((draws, n)) * np.sqrt(variances)
@@ -115,12 +118,12 @@ def test_a_range_that_the_others_cannot_check_has_no_level():
     g = np.vstack([flat, [[0, 0, -1.0, 1]]])
     levels = np.empty(3)
     numbers = promise_numbers(Integrity(), 5)
-    assert not protect(g, np.full(5, 9.0), numbers, 0.0, levels) and np.isinf(levels).all()
-    assert not protect(g[:4], np.full(4, 9.0), numbers, 0.0, levels)
-    assert not protect(flat[[0, 1, 2, 3, 0]], np.full(5, 9.0), numbers, 0.0, levels)
+    assert not protect(g, np.full(5, 9.0), 0.0, numbers, 0.0, levels) and np.isinf(levels).all()
+    assert not protect(g[:4], np.full(4, 9.0), 0.0, numbers, 0.0, levels)
+    assert not protect(flat[[0, 1, 2, 3, 0]], np.full(5, 9.0), 0.0, numbers, 0.0, levels)
     # where two faults at once use all of the risk up, a fault can be noticed and nothing promised
     g, variances = sky(6, 1)
-    assert protect(g, variances, numbers, 1.0, levels) and np.isinf(levels).all()
+    assert protect(g, variances, 0.0, numbers, 1.0, levels) and np.isinf(levels).all()
 
 
 def test_two_faults_at_once():
@@ -134,9 +137,16 @@ def test_two_faults_at_once():
     assert Integrity().unmonitored(1) == 0.0
 
 
+#: What all satellites have wrong alike about each axis, rad: 3.4 m on the ground.
+TURN = 1e-6
+
+
 def promised(mask=5.0, satellites=15):
     c = walker_delta(satellites, 5, 1, inclination_deg=45, radius_km=20427)
-    signal = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5, 0.5), ionosphere=1.0)
+    signal = Signal(
+        ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5, 0.5), ionosphere=1.0,
+        common_orientation=TURN,
+    )  # fmt: skip
     return Design(
         constellation=c, name="d", figure="kelly2018-sphere",
         mask=Mask.constant(np.radians(mask)), signal=signal,
@@ -177,7 +187,8 @@ def test_the_map_is_what_each_user_gets():
                 turned[k] += ranges.numbers[4] * lit / shell
             found = np.empty(3)
             unmonitored = promise.unmonitored(int(used.sum())) / promise.hazard
-            able[i, j] = protect(g, turned, numbers, unmonitored, found)
+            shared = (d.figure.equatorial_radius * TURN) ** 2
+            able[i, j] = protect(g, turned, shared, numbers, unmonitored, found)
             levels[:, i, j] = np.hypot(found[0], found[1]), found[2]
     for k, name in enumerate(LEVELS):
         np.testing.assert_allclose(made[name].sel(percentile=50), levels[k], rtol=1e-5)

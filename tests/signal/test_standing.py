@@ -117,6 +117,17 @@ def test_more_knowledge_never_harms_and_one_satellite_needs_a_held_clock():
     assert error[True, 10.0] < 1e3 < 1e5 < error[False, 10.0]
 
 
+def test_no_standing_takes_away_what_all_satellites_have_wrong_alike():
+    """A turn of their frame moves east and north; their time is part of the user's own clock."""
+    turned = replace(SIGNAL, common_orientation=1e-6, common_time=50.0)
+    alone, shared = (
+        compass.locate(replace(pair(), signal=each), site=SITE, hours=1.5, step_s=300.0).best.sigma
+        for each in (SIGNAL, turned)
+    )
+    moved = (pair().figure.equatorial_radius * 1e-6) ** 2
+    np.testing.assert_allclose(shared**2, alone**2 + [moved, moved, 0.0], rtol=1e-12)
+
+
 def test_the_command_tells_after_how_long_and_what_it_stands_on(tmp_path):
     found = compass.locate(pair(), site=SITE, hours=1.5, step_s=120.0, goal_m=8.0)
     out = found.to_dict()
@@ -129,7 +140,11 @@ def test_the_command_tells_after_how_long_and_what_it_stands_on(tmp_path):
     assert found.plot().get_xlabel() == "hours of standing still"
     poor = compass.locate(pair(1), site=SITE, hours=0.1, goal_m=1e-3)
     assert not poor.holds
-    assert "place known not to 0.001 m in 0.1 h" in text(poor.document())
+    said = text(poor.document())
+    assert "place not known to 0.001 m within 0.1 h" in said and "nothing is ever" not in said
+    behind = Site.of("behind", latitude_deg=-18.4, longitude_deg=257.5)
+    said = text(compass.locate(pair(1), site=behind, hours=0.1).document())
+    assert "0 in view at once: place not known" in said and "nothing is ever measured" in said
 
 
 def test_those_that_are_there_already_keep_their_own_covariances():

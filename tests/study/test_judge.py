@@ -23,6 +23,7 @@ from compass.inputs.scenario import read_scenario_text
 from compass.orbits import keplerian, states_mci, walker_delta
 from compass.quantities.draws import quantile_bounds
 from compass.ranging import Signal
+from compass.signal.budget import shared_left_out
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
@@ -488,8 +489,12 @@ def test_doubts_are_said_and_taken_from_a_design(seed_design):
     own = doubts.of(signal, seed_design.constellation.size)
     assert own.satellites.shape == (15, 4, 4)
     assert np.diag(own.satellites[7]) == pytest.approx([1, 4, 9, 0.25])
-    assert "orbits and clocks of x by its own table [signal]" in doubts.sentence(["x"])
-    assert "clock that agrees" in NO_DOUBTS.sentence([])
+    assert "orbits and clocks of x by its own table [signal]" in doubts.sentence({"x": ""})
+    left_out = doubts.sentence(
+        {"x": shared_left_out(replace(signal, common_orientation=1e-6), 3e6)}
+    )
+    assert left_out.endswith("moves every place on the ground by 4.24 m horizontally, one sigma.")
+    assert "clock that agrees" in NO_DOUBTS.sentence({})
     for bad, message in (
         ({"clock_m": -1.0}, "clock_m = -1"),
         ({"clock_m": 0.0}, "give both"),

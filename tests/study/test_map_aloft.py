@@ -39,6 +39,8 @@ SIGNAL = Signal(
     ephemeris=(2, 8, 5),
     receiver=Receiver(0.5, 0.5),
     ionosphere=10.0,
+    common_time=3.0,
+    common_orientation=1e-6,
 )
 SEED = Design(PATTERN, mask=Mask.of(5), signal=SIGNAL, integrity=Integrity())
 
