@@ -1,5 +1,6 @@
 """The table ``[constellation]``: patterns and elements checked, and turned into orbits."""
 
+import math
 from fractions import Fraction
 from typing import Any
 
@@ -125,7 +126,7 @@ def _is_written(parameter: Parameter, value: Any) -> bool:
     if isinstance(value, bool):
         return False
     if parameter.form == "ratio":
-        return isinstance(value, str | int | float)
+        return isinstance(value, str | int) or (isinstance(value, float) and math.isfinite(value))
     return isinstance(value, int) and value >= (parameter.least or 0)
 
 
