@@ -207,6 +207,13 @@ def test_a_subsystem_comes_back(algorithm):
     assert after.weights.sum() == pytest.approx(1.0)
 
 
+def test_feedback_changes_nothing_before_there_is_any():
+    """Over the first epoch the subsystems of both intersections start from the same estimate."""
+    without, _ = run(paper.recommended_filter("ci"), 1, NOISY)
+    fed, _ = run(paper.recommended_filter("ci-feedback"), 1, NOISY)
+    assert max(apart(without, fed)) < 1e-9
+
+
 def test_without_feedback_a_subsystem_comes_back_from_the_fused_estimate():
     alive = np.ones((301, 4), bool)
     alive[2:4, 1] = False

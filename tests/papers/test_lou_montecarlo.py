@@ -5,13 +5,16 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from compass.core.papers.lou_measurement import predict_measurements
+from compass.core.papers.lou_montecarlo import fly, make_trace, run_block
+from compass.core.papers.spherical import BANK, rk4_step
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
 from compass.errors import ArgumentError
 from compass.papers import lou2017_case
 from compass.papers import lou2019_case as paper
-from compass.papers.lou_montecarlo import BLOCK, monte_carlo
+from compass.papers.lou_montecarlo import BLOCK, _draws, _empty_tally, monte_carlo
 
 
 def shortened(case, epochs):
@@ -21,6 +24,7 @@ def shortened(case, epochs):
     return replace(case, beacons=beacons, arrival=arrival)
 
 
+EPS = np.finfo(float).eps
 SHORT = shortened(paper.case(noisy_truth=True), 7)
 EKF = paper.recommended_filter("ekf")
 
@@ -40,9 +44,6 @@ def test_threads_do_not_change_the_numbers():
 
 def test_streaming_statistics_are_those_of_all_the_runs():
     """Each run alone, then NumPy over all of them."""
-    from compass.core.papers.lou_montecarlo import make_trace, run_block
-    from compass.papers.lou_montecarlo import _draws, _empty_tally
-
     runs = BLOCK + 3
     data = monte_carlo(SHORT, EKF, runs, seed=9)
     number, kernel_settings, belief = EKF.kernel_arguments(1.0)
@@ -90,6 +91,29 @@ def test_runs_do_not_depend_on_how_many_there_are_or_on_the_filter():
     np.testing.assert_array_equal(a.arrival, b.arrival)
 
 
+def test_every_error_is_a_draw_of_its_own():
+    """What is added to the states and to what is measured of them, one by one, is what was drawn."""
+    world = SHORT.world()
+    normals, uniforms = _draws(9, 0, 1, 6, 4)
+    trace = make_trace(8, 8, 7, 4)
+    fly(1.0, world, normals[0], uniforms[0], trace)
+    p, moved = world.p.copy(), np.empty(8)
+    z, slopes = np.empty(7), np.empty((7, 8))
+    sigma = np.concatenate([world.noise, world.acc_sigma, world.range_sigma])
+    offset = np.zeros((7, 7))
+    offset[:, :3], offset[:, 3:] = world.bias, world.offset
+    assert trace.arrived[1:].all() and (sigma > 0.0).all()
+    for k, drawn in enumerate(normals[0, 11:].reshape(6, 15), start=1):
+        p[BANK] = world.bank[k - 1]
+        rk4_step(trace.truth[k - 1], p, 1.0, moved)
+        p[BANK] = world.bank[k]
+        predict_measurements(trace.truth[k], 8, p, False, world.beacons[k], z, slopes)
+        added = np.concatenate([trace.truth[k] - moved, trace.z[k] - z - offset[k]])
+        size = np.abs(np.concatenate([moved, z])) + np.abs(added)
+        # each of a few sums is off by its last digit at most
+        np.testing.assert_array_less(np.abs(added - sigma * drawn), 4 * EPS * size + 1e-300)
+
+
 def test_what_does_not_arrive_is_counted_and_skipped():
     dark = monte_carlo(SHORT, EKF, 2, faults=[Fault("outage", "surface 1", 3, 4)])
     assert dark.arrival.sel(sensor="surface 1").values.tolist()[1:] == [1, 1, 0, 0, 1, 1]
@@ -103,6 +127,9 @@ def test_a_silent_bias_is_caught_by_the_gate_and_reported():
     blind = monte_carlo(SHORT, EKF, 6, faults=faults)
     gated = monte_carlo(SHORT, EKF.changed(gate_sigma=5.0), 6, faults=faults)
     assert gated.refused.sel(sensor="orbiter 2")[3:].values.min() > 0.8
+    times = 6 * gated.refused.values  # one run is one refusal
+    np.testing.assert_allclose(times, np.round(times), atol=1e-12)
+    assert times.max() <= 6
     assert gated.position_rmse[-1] < 0.2 * blind.position_rmse[-1]
 
 
@@ -112,6 +139,15 @@ def test_the_gate_is_open_until_it_is_shut():
     data = monte_carlo(SHORT, late, 4, faults=faults)
     assert not data.refused[:5].any()
     assert data.refused[5:].any()
+
+
+def test_the_gate_goes_by_time_and_not_by_epochs():
+    b = SHORT.beacons
+    half = replace(SHORT, beacons=Beacons(b.names, b.times / 2, b.r, b.v, b.moving))
+    late = EKF.changed(gate_sigma=5.0, gate_start=2.5)
+    data = monte_carlo(half, late, 4, faults=[Fault("bias", "orbiter 2", 1, size=5000.0)])
+    assert not data.refused[:5].any()
+    assert data.refused[5].any()
 
 
 def test_a_run_that_diverges_is_told_and_the_others_go_on():
