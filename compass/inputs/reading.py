@@ -183,7 +183,9 @@ def parse(
         checked = model.model_validate(raw)
     except ValidationError as error:
         faults += model_faults(error.errors(include_url=False), model)
-    faults += cross_faults(raw)
+    refused = tuple(text.partition(" = ")[0] + " = " for text in faults if " = " in text)
+    # what is no value of its field is nothing to compare with others
+    faults += [text for text in cross_faults(raw) if not text.startswith(refused)]
     if faults or checked is None:
         raise DesignError([f"{label}: {text}" for text in dict.fromkeys(faults)])
     return checked

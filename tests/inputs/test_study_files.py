@@ -46,6 +46,14 @@ def test_a_good_one():
     assert study.constraints_of("map") == [gdop]
 
 
+def test_what_is_no_value_of_its_field_is_refused_for_that_alone():
+    text = GOOD.replace("gdop_p95", "\\u0000").replace("below = 6", "below = nan")
+    with pytest.raises(DesignError) as refused:
+        read_study_text(text)
+    about = [fault.split(" = ")[0] for fault in str(refused.value).splitlines()]
+    assert about == ["study: constraint[2].figure", "study: constraint[2].below"]
+
+
 def test_named_orbits_have_whole_revolutions_in_a_sidereal_day():
     day = orbital_period(areosynchronous_radius())
     for k, radius in enumerate(read_study_text(GOOD).space.radius_km, start=1):
