@@ -11,12 +11,12 @@ from compass.orbits.motion import Motion
 POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
 # And with errors besides, in the same order; their forms are made of all epochs at once.
 ERROR_POSITION_BYTES, ERROR_CELL_BYTES, ERROR_ROW_BYTES = 700, 50, 20
-# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch.
-CELL_S = 3e-8
+# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch, and its errors.
+CELL_S, ERROR_CELL_S = 5.5e-8, 5.5e-8
 
 #: The same of every satellite of it: in view, at an epoch of gaps too; a fix's errors besides;
 #: protection besides. And where no level horizon bounds who is in view.
-SATELLITE_S, ERROR_SATELLITE_S, LEVEL_SATELLITE_S = 1.5e-9, 5e-9, 6e-7
+SATELLITE_S, ERROR_SATELLITE_S, LEVEL_SATELLITE_S = 1.4e-9, 2.6e-9, 6e-7
 SLANTED_S, SLANTED_ERROR_S, SLANTED_LEVEL_S = 3e-8, 3e-8, 9e-7
 
 
@@ -65,15 +65,16 @@ def map_cost(
         + ROW_BYTES * threads * grid.columns * epochs
     )
     in_view = SLANTED_S if slanted else SATELLITE_S
-    each = in_view
+    cell, each = CELL_S, in_view
     if errors:
         needed += (
             ERROR_POSITION_BYTES * satellites * epochs
             + ERROR_CELL_BYTES * cells
             + ERROR_ROW_BYTES * threads * grid.columns * epochs
         )
+        cell += ERROR_CELL_S
         each += SLANTED_ERROR_S if slanted else ERROR_SATELLITE_S
     if levels:
         each += SLANTED_LEVEL_S if slanted else LEVEL_SATELLITE_S
-    seconds = (CELL_S + each * satellites) * epochs + in_view * satellites * gap_epochs
+    seconds = (cell + each * satellites) * epochs + in_view * satellites * gap_epochs
     return Cost(seconds * cells / threads, needed)
