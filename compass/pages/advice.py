@@ -17,7 +17,7 @@ from compass.document.blocks import Block
 from compass.document.evidence import Between
 from compass.document.numbers import significant
 from compass.orbits.symmetry import one_circle
-from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_value, rover_errors
+from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_value, leads_aloft, place_errors
 from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_sentence
 from compass.pages.neighbours import Neighbour
@@ -38,21 +38,23 @@ def accurate(results: DesignResults) -> str:
     """How accurate a fix is, in a sentence."""
     if results.design.constellation.size < ENOUGH:
         return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
-    numbers = results.mapped.numbers()
-    errors = rover_errors(results, numbers)
+    mapped = results.aloft[0] if leads_aloft(results) else results.mapped
+    numbers, errors = mapped.numbers(), place_errors(mapped)
+    who = f"A user anywhere{mapped.users}," if mapped.users else "A rover anywhere"
     if errors and not np.isfinite(numbers["rover_horizontal_m"]):
-        part, mapped = quantity("part_share"), results.mapped
+        part = quantity("part_share")
         none = mapped.value(part, rest_of("fix_share", numbers), "fix_share")
         few = mapped.value(part, numbers, "fewer_than_four_share")
         return (
-            f"A rover has no fix in {none} % of area and time: in {few} % it sees fewer than four "
-            f"satellites ({few.evidence})."
+            f"{who.replace(' anywhere', '', 1)} has no fix in {none} % of area and time: in {few} "
+            f"% fewer than four satellites are in view ({few.evidence})."
         )
     if errors:
         return (
-            f"A rover anywhere knows its place within {errors[0].written} horizontally: 95 % of "
-            f"its fixes, in 95 % of area and time, with {basis(results.design)}."
+            f"{who} knows its place within {errors[0].written} horizontally: 95 % of its fixes, in "
+            f"95 % of area and time, with {basis(results.design)}."
         )
+    numbers = results.mapped.numbers()
     for key, share in (("p95", "95 %"), ("p50", "half")):
         value = known_value(results, "gdop", numbers["gdop"], key)
         known = value.evidence

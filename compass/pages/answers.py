@@ -3,11 +3,13 @@
 Further answers join `ANSWERS` in the order of the page: a function from `DesignResults` to rows.
 """
 
+import shlex
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 
+from compass.api.map_result import MapResult
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_percentile import GREATEST
@@ -144,8 +146,10 @@ def geometry(results: DesignResults) -> list[Answer]:
         return [Answer("A fix from ranges of one moment", few, None, f"see {LOCATE}")]
     numbers, within = results.mapped.numbers(), results.mapped.dataset.attrs["pdop_threshold"]
     gdop = numbers["gdop"]
+    aloft = [row for one in results.aloft for row in place_errors(one)]
+    ground = place_errors(results.mapped)
     return [
-        *rover_errors(results, numbers),
+        *(aloft + ground if leads_aloft(results) else ground + aloft),
         Answer("GDOP, 95 % below", *_dilution(results, gdop, "p95")),
         Answer("GDOP, half of area and time below", *_dilution(results, gdop, "p50")),
         Answer(
@@ -178,18 +182,43 @@ def known_value(results: DesignResults, name: str, of: dict[str, Any], key: str)
     )
 
 
-def rover_errors(results: DesignResults, numbers: dict[str, Any]) -> list[Answer]:
-    """What a rover anywhere knows of its place, where the design says what a range is worth."""
-    if results.design.signal is None:
+def leads_aloft(results: DesignResults) -> bool:
+    """Whether its requirements speak of users above the ground or in beams, and of no others."""
+    return bool(results.aloft) and all(
+        each.areas and (each.altitude or each.beam is not None)
+        for each in results.design.requirements
+    )
+
+
+def place_errors(mapped: MapResult) -> list[Answer]:
+    """What those of whom a map is know of their place, where it says what a range is worth."""
+    if mapped.design.signal is None:
         return []
-    rows = []
+    numbers, rows = mapped.numbers(), []
+    who = f"A user anywhere{mapped.users}" if mapped.users else "A rover anywhere"
     for name, most in ROVER.items():
-        value = results.mapped.value(quantity(most), numbers, most)
-        said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
-        evidence = f"{value.evidence}; with {basis(results.design)}"
+        value = mapped.value(quantity(most), numbers, most)
+        said = f"{who}: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
+        evidence = f"{value.evidence}; with {basis(mapped.design)}; {map_command(mapped)}"
         fixed = np.isfinite(numbers[most])
         rows.append(Answer(said, value if fixed else NO_FIX["p95"], evidence=evidence))
     return rows
+
+
+def map_command(mapped: MapResult) -> str:
+    """The command line that tells the same of the same users."""
+    attrs = mapped.made.dataset.attrs
+    words = ["compass map", shlex.quote(mapped.design.label)]
+    if mapped.users:
+        words += [
+            f"--{option} {attrs[name]:g}"
+            for option, name in (("altitude-km", "user_altitude_km"), ("beam-deg", "beam_deg"))
+            if attrs.get(name)
+        ]
+        lowest = float(np.min(attrs["elevation_mask_deg"]))
+        if lowest != float(np.degrees(mapped.design.mask.lowest)):
+            words.append(f"--mask-deg {lowest:g}")
+    return " ".join(words)
 
 
 def stations(results: DesignResults) -> list[Answer]:

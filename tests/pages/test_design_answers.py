@@ -26,11 +26,12 @@ from compass.pages.answers import (
     latitude_words,
     losses,
     moment_words,
-    rover_errors,
+    place_errors,
 )
 from compass.pages.design_results import DesignResults
 from compass.pages.neighbours import Neighbour
 from compass.ranging import Receiver, Signal
+from compass.requirement import Requirement
 from compass.study.certified import certified_areas
 from compass.study.mapping import MapOptions, make_map
 from tests.pages.test_lasting_section import told
@@ -197,7 +198,10 @@ def mapped(**numbers):
     """As much of what was found as the accuracy is read from."""
     attrs = {"epochs": 2, "grid": "cells", "pdop_threshold": 6.0}
     numbers = {"gdop": {"p50": np.inf, "p95": np.inf}, "availability": 0.5, **numbers}
+    design = read_design_text(FILE.format(fold=1, inclination=43.7))
     shown = SimpleNamespace(
+        design=design,
+        users="",
         numbers=lambda: numbers,
         dataset=SimpleNamespace(attrs=attrs),
         certified=None,
@@ -205,8 +209,7 @@ def mapped(**numbers):
         looked=Sampled(how="at 2 epochs on cells"),
     )
     shown.value = partial(MapResult.value, shown)
-    design = read_design_text(FILE.format(fold=1, inclination=43.7))
-    return SimpleNamespace(design=design, mapped=shown)
+    return SimpleNamespace(design=design, mapped=shown, aloft=())
 
 
 def test_how_accurate_a_fix_is_is_one_sentence():
@@ -244,22 +247,51 @@ def test_requirements_come_first_and_decide_the_advice(met):
     assert ANSWERS[0](met) == []
 
 
-def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
+def in_metres(met, label="d.toml", **attrs):
+    """A map of users who have a signal, and know their place to 23.1 to 24.6 m."""
     signal = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5))
-    found = replace(met, design=replace(met.design, signal=signal))
-    numbers = {
+    design = replace(met.design, signal=signal, label=label)
+    numbers = met.mapped.numbers() | {
         f"rover_{name}_m{ending}": value
         for name in ("horizontal", "vertical")
         for ending, value in (("", 23.5), ("_interval", [23.1, 24.6]))
     }
-    row, _ = rover_errors(found, numbers)
+    made = replace(met.mapped.made, dataset=met.mapped.made.dataset.assign_attrs(attrs))
+    mapped = replace(met.mapped, design=design, made=made)
+    object.__setattr__(mapped, "numbers", lambda: numbers)
+    return replace(met, design=design, mapped=mapped)
+
+
+def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
+    found = in_metres(met, "my design.toml")
+    row, _ = place_errors(found.mapped)
     assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
     assert row.written.startswith("23.1 to 24.6") and "in 95 of 100 cases" in row.sure
     assert "2, 8, 5, 3 m (radial" in row.sure
-    assert rover_errors(replace(met, design=replace(met.design, signal=None)), {}) == []
-    mapped = SimpleNamespace(numbers=lambda: numbers, value=met.mapped.value)
-    said = accurate(replace(found, mapped=mapped))
-    assert "knows its place within 23.1 to 24.6 m horizontally: 95 % of its fixes" in said
+    assert row.sure.endswith("; compass map 'my design.toml'")
+    assert place_errors(met.mapped) == []
+    said = accurate(found)
+    assert said.startswith("A rover anywhere knows its place within 23.1 to 24.6 m horizontally:")
+
+
+def test_users_in_orbit_come_first_where_all_that_is_asked_for_is_theirs(met):
+    aloft = in_metres(met, user_altitude_km=400.0, beam_deg=17.0, elevation_mask_deg=[-15.0]).mapped
+    wanted = Requirement.of(
+        "relay", regions="globe", fold=1, altitude_km=400, beam_deg=17, mask_deg=-15
+    )
+    ground = Requirement.of("surface", regions="globe", fold=1)
+    for asked, first in (((wanted,), "user"), ((wanted, ground), "rover")):
+        found = in_metres(met)
+        design = replace(found.design, requirements=asked)
+        found = replace(found, design=design, aloft=(aloft,))
+        rows = [row for row in geometry(found) if " anywhere" in row.question]
+        assert [row.question.split()[1] for row in rows[::2]] == sorted(
+            ("user", "rover"), key=lambda who: who != first
+        )
+        assert accurate(found).startswith(f"A {first} anywhere")
+    row, _ = place_errors(aloft)
+    assert row.question.startswith("A user anywhere, 400 km above the ground, in beams of 17 deg:")
+    assert row.sure.endswith("; compass map d.toml --altitude-km 400 --beam-deg 17 --mask-deg -15")
 
 
 def test_maps_and_losses_of_a_page(met):
