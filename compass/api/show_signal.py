@@ -12,6 +12,9 @@ from compass.quantities import quantity
 from compass.signal.budget import TERMS, basis, range_budget
 from compass.signal.weights import average_weights
 
+#: Correlations of clocks and orbits that change a range's error by less than this are not told.
+TIED = 0.01
+
 ELEVATIONS = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0)
 
 
@@ -92,8 +95,12 @@ def _left_out(design: Design) -> str:
     told += f" ({clock.source})" if clock is not None and clock.source else ""
     shared = design.signal.common_time or design.signal.common_orientation
     told += f"; {basis(design)}" if design.signal.determined else ""
+    of_each = design.signal.of_satellites(design.constellation.size)
+    sigmas = np.sqrt(np.diagonal(of_each, axis1=1, axis2=2))
+    common = np.any(np.abs(of_each[:, :3, 3]) > TIED * sigmas[:, :3] * sigmas[:, 3:])
     return (
         f"{told}; along and cross errors as the mean over azimuths at the satellite's lowest; left "
         "out: troposphere (centimetres), multipath, antenna offsets"
         + ("; errors that all satellites share are added to fixes, not to ranges" if shared else "")
+        + ("; what clocks and orbits have in common counts in fixes, not here" if common else "")
     )

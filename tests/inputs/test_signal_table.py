@@ -143,6 +143,17 @@ TRACKED = "[tracking]\nearth = { range_m = 1, time_m = 1 }\n"
 DETERMINED = 'ephemeris_m = "determined"\nreceiver = { noise_m = 0.5 }\n'
 
 
+@pytest.mark.parametrize(("between", "told"), [(0.0, False), (-0.9, True)])
+def test_show_tells_what_clocks_and_orbits_have_in_common(tmp_path, between, told):
+    """Fixes project all of the covariance on each line; the rows of `show` are terms apart."""
+    matrix = np.eye(4)
+    matrix[0, 3] = matrix[3, 0] = between
+    text = f"receiver = {{ noise_m = 1 }}\ncovariance_m2 = {matrix.tolist()}"
+    (path := tmp_path / "d.toml").write_text(DESIGN.format(text=text, more=""))
+    said = " ".join(str(compass.show(path)).split())
+    assert ("what clocks and orbits have in common counts in fixes, not here" in said) is told
+
+
 def test_orbit_errors_may_be_those_that_tracking_implies():
     """Signals do not guess; commands work it out, as `compass determine` does."""
     read = read_design_text(DESIGN.format(text=DETERMINED, more=TRACKED))
