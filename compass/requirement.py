@@ -204,8 +204,16 @@ class Requirement:
     @property
     def where(self) -> str:
         """Where, in words."""
-        named = [*(site.name for site in self.sites), *self.areas]
+        named = [*(site.name for site in self.sites), *map(_area_words, self.areas)]
         return ", ".join(named) + standing_words(self.altitude, self.beam)
+
+
+def _area_words(area: str) -> str:
+    """A region as a reader says it; corners of a polygon as they were given."""
+    kind, _, given = area.partition(":")
+    if kind == "lat":
+        return f"latitudes {' to '.join(given.split(':'))} deg"
+    return "all of Mars" if area == "globe" else area
 
 
 def standing_words(altitude: float, beam: float | None) -> str:

@@ -246,8 +246,12 @@ class Glance:
         """How long it lasts, in a sentence."""
         return f"{capital(left_words(self.design))} it lasts {self.words}."
 
-    def answer(self, who: str = "it") -> Answer:
-        """The same as one of the first lines of a page, with the command that proves it."""
+    def answer(self, name: str = "") -> Answer:
+        """The same as one of the first lines of a page, with the command that proves it.
+
+        `name` is the design's, where several stand in a page.
+        """
+        who = f"“{name}”" if name else "it"
         days = min(self.looked_days, days_to_see(self.days_proven, self.first_loss_days))
         proven = f"{self.sure}: compass drift {shlex.quote(self.design.label)} --days {days:g}"
         return Answer(f"{capital(left_words(self.design))} {who} lasts", self.words, None, proven)

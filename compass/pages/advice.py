@@ -54,21 +54,20 @@ def accurate(results: DesignResults) -> str:
             f"{who} knows its place within {errors[0].written} horizontally: 95 % of its fixes, in "
             f"95 % of area and time, with {basis(results.design)}."
         )
-    numbers = results.mapped.numbers()
     for key, share in (("p95", "95 %"), ("p50", "half")):
-        value = known_value(results, "gdop", numbers["gdop"], key)
+        value = known_value(mapped, "gdop", numbers["gdop"], key)
         known = value.evidence
         if isinstance(known, Between):
             value = Value(value.quantity, known.high, Proven())  # rounded to its own side
         if value.value is not None and np.isfinite(value.value):
             chance = "" if isinstance(known, Bracket) else f" ({known})"
             return (
-                f"GDOP is below {value} in {share} of area and time{chance}: a fix, place and "
-                "time, errs less than so many times the error of a range."
+                f"GDOP is below {value} in {share} of area and time{mapped.users}{chance}: a fix, "
+                "place and time, errs less than so many times the error of a range."
             )
     if numbers["gdop"].get("p50_bracket", (0.0,))[0] >= GREATEST:
-        return "In more than half of area and time ranges of one moment give no fix."
-    return "In more than half of area and time no bound of GDOP is known."
+        return f"In more than half of area and time{mapped.users} ranges of one moment give no fix."
+    return f"In more than half of area and time{mapped.users} no bound of GDOP is known."
 
 
 def _of_requirements(checked: CheckResult, real: str) -> str:

@@ -144,35 +144,43 @@ def geometry(results: DesignResults) -> list[Answer]:
     if results.design.constellation.size < ENOUGH:
         few = "never: it takes four satellites in view"
         return [Answer("A fix from ranges of one moment", few, None, f"see {LOCATE}")]
-    numbers, within = results.mapped.numbers(), results.mapped.dataset.attrs["pdop_threshold"]
-    gdop = numbers["gdop"]
-    aloft = [row for one in results.aloft for row in place_errors(one)]
-    ground = place_errors(results.mapped)
+    ground, aloft = [results.mapped], list(results.aloft)
+    led = aloft + ground if leads_aloft(results) else ground + aloft
     return [
-        *(aloft + ground if leads_aloft(results) else ground + aloft),
-        Answer("GDOP, 95 % below", *_dilution(results, gdop, "p95")),
-        Answer("GDOP, half of area and time below", *_dilution(results, gdop, "p50")),
-        Answer(
-            f"Area and time with PDOP {within:g} or less",
-            known_value(results, "availability", numbers, "availability"),
+        *(row for one in led for row in place_errors(one)),
+        *(
+            row
+            for one in led
+            for row in _dilutions(one, (one.users[2:] or "on the ground") if aloft else "")
         ),
     ]
 
 
-def _dilution(
-    results: DesignResults, gdop: dict[str, Any], key: str
-) -> tuple[Value | str, None, str]:
+def _dilutions(mapped: MapResult, where: str) -> list[Answer]:
+    """Dilutions of precision of the users of a map, who stand `where`, if that need be said."""
+    numbers, within = mapped.numbers(), mapped.dataset.attrs["pdop_threshold"]
+    gdop, of = numbers["gdop"], f" {where}" if where else ""
+    return [
+        Answer(f"GDOP{of}, 95 % below", *_dilution(mapped, gdop, "p95")),
+        Answer(f"GDOP{of}, half of area and time below", *_dilution(mapped, gdop, "p50")),
+        Answer(
+            f"Area and time with PDOP{of} {within:g} or less",
+            known_value(mapped, "availability", numbers, "availability"),
+        ),
+    ]
+
+
+def _dilution(mapped: MapResult, gdop: dict[str, Any], key: str) -> tuple[Value | str, None, str]:
     """A percentile of GDOP as an answer; in words where so much of area and time has no fix."""
-    value = known_value(results, "gdop", gdop, key)
+    value = known_value(mapped, "gdop", gdop, key)
     known = value.evidence
     least = known.low if isinstance(known, Between) else gdop[key]
     fixed = least is not None and least < GREATEST  # no percentile is looked for beyond
     return (value if fixed else NO_FIX[key], None, str(known or ""))
 
 
-def known_value(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
-    """A figure of the map with its proven bounds, or with those of what was drawn."""
-    mapped = results.mapped
+def known_value(mapped: MapResult, name: str, of: dict[str, Any], key: str) -> Value:
+    """A figure of a map with its proven bounds, or with those of what was drawn."""
     scope = mapped.certified.scope.split(";")[0] if mapped.certified else ""
     bracket = Bracket.beside(of, key, scope)
     return (

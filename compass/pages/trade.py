@@ -153,8 +153,9 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         for k, name in enumerate(STAGES)
         if k > 1 and (reached := int((stage >= k).sum()))
     ]
+    raised = int((results.error.values != "").sum())
     rows += [
-        ("raised an error", int((results.error.values != "").sum())),
+        *([("raised an error", raised)] if raised else []),
         ("meet every constraint", int(results.feasible.sum())),
         ("on the first Pareto front", int((results.front.values == 0).sum())),
     ]

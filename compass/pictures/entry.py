@@ -105,7 +105,7 @@ def draw_landing(axes: Axes, assessment: Assessment, dispersed: Dispersed | None
     corner.set(xlim=within, ylim=corner.get_ylim(), xticks=[], yticks=[])
     corner.plot(np.degrees(states[:, 1]), np.degrees(states[:, 2]), color=MARS, lw=1.4, zorder=1)
     corner.set_aspect(1 / narrow)
-    corner.set_title(f"{significant(float(across), 2)} km across", fontsize=7)
+    corner.set_title(f"{significant(float(across), 2)} km across", fontsize=8)
     axes.indicate_inset_zoom(corner, edgecolor=FAINT)
 
 

@@ -140,4 +140,4 @@ def draw_distributions(
     axes.xaxis.set_minor_formatter("{x:g}")
     axes.tick_params(axis="x", which="both", length=4, pad=4)
     axes.grid(True)
-    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))

@@ -69,7 +69,7 @@ def test_without_requirements_the_coverage_of_the_file_is_asked():
     assert (found.requirement.name, found.met, found.requirement.where) == (
         "coverage",
         False,
-        "globe",
+        "all of Mars",
     )
 
 

@@ -163,7 +163,10 @@ def test_a_lost_satellite_is_not_seen(design):
 
 def test_what_is_missing_is_told(design):
     wanted = Requirement.of("p", protection_horizontal_m_at_most=50, share=0.9)
-    assert wanted.claim == "horizontal protection level at most 50 m, for 90 % of the time, globe"
+    assert (
+        wanted.claim
+        == "horizontal protection level at most 50 m, for 90 % of the time, all of Mars"
+    )
     for gone, message in (("integrity", "integrity: missing"), ("signal", "signal: missing")):
         bare = replace(design, **{gone: None}, requirements=(wanted,))
         with pytest.raises(ArgumentError, match=message):

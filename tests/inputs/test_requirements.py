@@ -47,7 +47,7 @@ def test_all_keys_arrive_in_si_and_words():
     assert (one.altitude, one.limits) == (4e5, (("pdop", 6.0), ("tdop", 2.5)))
     assert one.claim == (
         "5 satellites and PDOP at most 6 and TDOP at most 2.5 without any 1, for 95 % of area and "
-        "time, lat:-45:45, polygon:0,0;0,9;9,0, 400 km above the ground, in beams of 20 deg"
+        "time, latitudes -45 to 45 deg, polygon:0,0;0,9;9,0, 400 km above the ground, in beams of 20 deg"
     )
 
 
@@ -57,7 +57,7 @@ def test_sites_are_stations_and_without_a_place_it_is_the_globe():
     ).requirements
     assert first.name == "requirement 1"
     assert first.sites[0].mask.highest == pytest.approx(np.radians(20))
-    assert second.claim == "2 satellites, always, globe"
+    assert second.claim == "2 satellites, always, all of Mars"
 
 
 def test_tracks_close_only_if_that_is_said():

@@ -106,6 +106,19 @@ def test_the_advice_names_the_rival_and_what_would_change_it(met):
     assert "No other phasing or inclination" in words
 
 
+def test_users_aloft_lead_where_they_alone_are_asked_for(met):
+    aloft = MapOptions(step_deg=60, epochs=2, altitude_km=400.0, mask_deg=-15.0)
+    above = MapResult(met.design, make_map(met.design, aloft))
+    for altitude_km, first in ((400.0, "GDOP 400 km above the ground"), (0.0, "GDOP on the")):
+        asked = compass.Requirement.of("few", fold=1, share=0.5, altitude_km=altitude_km)
+        design = replace(met.design, requirements=(asked,))
+        rows = geometry(replace(met, design=design, aloft=(above,)))
+        assert [row.question.startswith(first) for row in rows] == [True] * 2 + [False] * 4
+        assert len({row.question for row in rows}) == 6
+        words = accurate(replace(met, design=design, aloft=(above,)))
+        assert ("400 km above the ground" in words) is (altitude_km > 0.0)
+
+
 @pytest.mark.slow
 def test_what_is_missed_is_not_to_be_built():
     found = look(4, lost=0)
@@ -337,5 +350,7 @@ def test_a_place_on_the_equator_and_a_gdop_of_nobody_are_words(met):
         "41.8° N",
     ]
     for low, said in ((1e5, "none: over 5 % of it has no fix"), (3.4, "3.4 to ∞")):
-        found, holds, sure = _dilution(met, {"p95": np.inf, "p95_bracket": (low, np.inf)}, "p95")
+        found, holds, sure = _dilution(
+            met.mapped, {"p95": np.inf, "p95_bracket": (low, np.inf)}, "p95"
+        )
         assert (str(found), holds) == (said, None) and "proven" in sure

@@ -74,7 +74,7 @@ def test_the_page_names_its_beacons_and_how_long_their_orbits_last(coarse, monke
     assert who.written == "COMPASS 15/5/1"
     assert who.sure == "15 satellites in 5 planes: delta 45°: 15/5/1, 20427 km"
     assert (lasts.written, lasts.holds) == ("31 days", None)
-    assert lasts.question == "Left alone on real orbits COMPASS 15/5/1 lasts"
+    assert lasts.question == "Left alone on real orbits “COMPASS 15/5/1” lasts"
     shown = SimpleNamespace(
         scenario=read_scenario(DESIGNS / "landing.toml"),
         assessment=SimpleNamespace(
