@@ -1,4 +1,7 @@
-"""Since when a command is at work, for who waits at a terminal where nothing else moves."""
+"""Since when a command is at work, for who waits at a terminal where nothing else moves.
+
+A bar whose next part takes long moves too: its own time is brought up to date.
+"""
 
 import sys
 from collections.abc import Iterator
@@ -44,7 +47,7 @@ def _tell(title: str, begun: float, over: Event) -> None:
     told, wait = False, AFTER_S
     while not over.wait(wait):
         wait = EVERY_S
-        if _bars():
+        if _bars_told():
             told = False
             continue
         with _writing:
@@ -57,7 +60,15 @@ def _tell(title: str, begun: float, over: Event) -> None:
             sys.stderr.flush()
 
 
-def _bars() -> bool:
-    """Whether a bar is shown."""
+def _bars_told() -> bool:
+    """Bring the time of every bar that is shown up to date; False where none is."""
     loaded = sys.modules.get("tqdm")
-    return bool(loaded and any(not bar.disable for bar in getattr(loaded.tqdm, "_instances", ())))
+    if loaded is None:
+        return False
+    with _writing, loaded.tqdm.get_lock():  # none ends meanwhile
+        bars = [bar for bar in getattr(loaded.tqdm, "_instances", ()) if not bar.disable]
+        # one that waits for its time to come is not there yet, and would not leave
+        shown = [bar for bar in bars if bar.last_print_t >= bar.start_t + bar.delay]
+        for bar in shown:
+            bar.refresh(nolock=True)
+    return bool(shown)

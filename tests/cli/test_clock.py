@@ -48,6 +48,25 @@ def test_a_bar_tells_more(monkeypatch):
     assert "rows:" in terminal.getvalue() and "at work" not in terminal.getvalue()
 
 
+def test_a_bar_whose_part_takes_long_does_not_stand_still(monkeypatch):
+    terminal = terminal_of(monkeypatch)
+    with clock("judge", wanted=True):
+        with bar(True, "designs", total=2) as designs:
+            sleep(0.3)
+            assert terminal.getvalue().count("designs:   0%") > 3
+            designs.update(2)
+        ended = len(terminal.getvalue())
+        sleep(0.1)
+        assert "designs" not in terminal.getvalue()[ended:]
+
+
+def test_a_bar_that_has_not_begun_to_show_stays_away(monkeypatch):
+    terminal = terminal_of(monkeypatch)
+    with clock("fold", wanted=True), bar(True, "revolutions", total=2, delay=60.0):
+        sleep(0.2)
+    assert "revolutions" not in terminal.getvalue() and "at work" in terminal.getvalue()
+
+
 def test_what_is_quick_quiet_or_no_terminal_is_not_told(monkeypatch):
     terminal = terminal_of(monkeypatch)
     with clock("fold", wanted=True):
