@@ -135,10 +135,10 @@ def test_a_number_of_a_design_is_varied_by_its_key_in_files():
     moved = made.varied(inclination_deg=40, mask_deg=5)
     assert moved.constellation == compass.walker_delta(
         3, 3, 1, inclination_deg=40, altitude_km=17000, raan_deg=12,
-        name="Three, inclination_deg = 40",
+        name="Three, inclination 40 deg",
     )  # fmt: skip
     assert moved.mask == compass.Mask.of(5) and moved.fold == 2 and moved.stations == made.stations
-    assert moved.name == "Mine, inclination_deg = 40" and moved.paper is None
+    assert moved.name == "Mine, inclination 40 deg" and moved.paper is None
     assert made.varied(fold=3, mask_deg=0) == replace(made, fold=3)
     higher = made.varied(orbit="areosynchronous", planes=1, phasing=0).constellation
     assert higher.repeat == (1, 1) and higher.pattern.planes == 1

@@ -90,6 +90,64 @@ def test_the_readmes_jobs(tmp_path, monkeypatch):
     assert page == Path("page/index.html") and "5/5/1" in page.read_text()
 
 
+STUDY = """
+name = "Five for one in view"
+[study]
+patterns = ["walker-delta"]
+satellites = [5]
+inclination_deg = [43.66, 50]
+orbits = ["areosynchronous"]
+mask_deg = 0
+fold = 1
+[map]
+step_deg = 30
+epochs = 2
+[[constraint]]
+figure = "fold_proven"
+at_least = 1
+[[objective]]
+figure = "satellites"
+[[objective]]
+figure = "mask_margin_deg"
+"""
+
+
+@pytest.mark.slow
+def test_a_students_sweep_to_a_judged_choice(tmp_path, monkeypatch):
+    """From a sweep by hand to one that is stored: what either finds the other finds too."""
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(STUDY)
+    traded = compass.trade("study.toml", workers=1)
+    met = traded.dataset.where(traded.dataset.feasible, drop=True)
+    pattern = compass.walker_delta(5, 5, 1, inclination_deg=50, orbit="areosynchronous")
+    design = compass.Design(pattern, "Five", fold=1)
+    sweep = [design.varied(inclination_deg=inclination) for inclination in (43.66, 50)]
+    for one in sweep:
+        alike = (met.planes == 5) & (met.phasing == 1)
+        (row,) = np.flatnonzero(alike & np.isclose(met.inclination_deg, _inclination_deg(one)))
+        below = compass.fold(one).mask_margin_deg - met.mask_margin_deg.values[row]
+        # a screen finds caps to 5e-4, on the safe side; as caps widen, masks fall by (1 - s cos c)
+        # / (1 + s^2 - 2 s cos c) of that, where s = R / r, which is 1 / (1 - s) at most
+        assert 0.0 <= below <= np.degrees(5e-4) / (1.0 - 3396.19 / 20427.7)
+    best = float(met.mask_margin_deg.max())
+    searched = compass.search(fold=1, max_satellites=5, orbit="areosynchronous")
+    assert searched.to_dict()["candidates"][0]["mask_margin_deg"] >= best - 1e-3
+    seen = compass.access(sweep[0], stations=["Gale=-4.6,137.4"], duration_sols=1)
+    assert seen.to_dict()["nodes"][0]["any_share"] == 1.0
+    judged = compass.judge(sweep, scenario=DESIGNS / "landing.toml", samples=8, finalists=0)
+    named = {row["design"] for row in judged.to_dict()["designs"]}
+    assert named == {"Five, inclination 43.66 deg", "Five, inclination 50 deg"}
+    for result in (traded, searched, seen, judged):
+        assert str(result) and "<table>" in result._repr_html_()
+        assert len(repr(result)) < 20000
+    assert judged.plot().get_ylabel() == "share of entries within, %"
+    assert traded.plot().get_title() == "Five for one in view"
+
+
+def _inclination_deg(design):
+    return float(np.degrees(design.constellation.inclination[0]))
+
+
 def test_it_needs_nothing_from_a_subpackages_inside():
     tree = ast.parse(Path(__file__).read_text())
     names = [

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from compass.document import Bracket, Proven, Table, Value
+from compass.coverage.certified_percentile import bounded
+from compass.document import Proven, Table, Value
 from compass.document.numbers import significant
 from compass.quantities import Quantity, quantity
 
@@ -29,14 +30,9 @@ def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
         row["design"],
         f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
         Value(margin, "no mask has it" if highest is None else highest, Proven()),
-        *(_bracketed("gdop", known["gdop"], key) for key in ("p50", "p95")),
-        _bracketed("availability", known, "availability"),
+        *(bounded("gdop", known["gdop"], key) for key in ("p50", "p95")),
+        bounded("availability", known, "availability"),
     )
-
-
-def _bracketed(name: str, known: Mapping[str, Any], key: str) -> Value:
-    """One of the figures that stand between proven bounds, where any are known."""
-    return Value(quantity(name), known.get(key, "not known"), Bracket.beside(known, key))
 
 
 def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:

@@ -31,7 +31,7 @@ from compass.api.results import Result
 from compass.conventions import dated
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_geometry import CertifiedGeometry
-from compass.coverage.certified_percentile import GREATEST
+from compass.coverage.certified_percentile import bounded
 from compass.coverage.drawn import Drawn
 from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
@@ -197,12 +197,12 @@ class MapResult(Result):
     def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
         """One percentile of a dilution, with its bounds.
 
-        Infinite where it is beyond `GREATEST`, as it counts.
+        Infinite where it is beyond all that is looked for, as it counts.
         """
         of = numbers[name]
-        known = Bracket.beside(of, percentile)
-        if known is not None and known.low >= GREATEST:
-            return Value(quantity(name), math.inf, Bracket(math.inf, math.inf))
+        proven = bounded(name, of, percentile)
+        if proven.evidence is not None and proven.value == math.inf:
+            return proven
         return self.value(quantity(name), of, percentile)
 
     def value(self, what: Quantity, of: dict[str, Any], key: str, whose: str = "") -> Value:

@@ -1,13 +1,14 @@
 """The patterns that a search found, as text, numbers, picture and file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compass.api.results import Result
+from compass.coverage.certified_percentile import bounded
 from compass.design import PDOP_MAX
-from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
+from compass.document import Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -226,4 +227,5 @@ def _cell(name: str, known: dict[str, Any]) -> Value | str:
     """One number of a candidate, with what is known of it; nothing where it was not asked for."""
     if known[name] is None:
         return ""
-    return Value(quantity(name), known[name], Bracket.beside(known, name) or Proven())
+    value = bounded(name, known, name)
+    return value if value.evidence else replace(value, evidence=Proven())

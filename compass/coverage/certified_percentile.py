@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from compass.coverage.certified_distribution import Below, Boxes, Distribution, Limit
 from compass.coverage.certified_question import Asked, Question
 from compass.coverage.certified_share import NEAREST
+from compass.document import Bracket, Value
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
+from compass.quantities import quantity
 
 #: Percentiles beyond this count as infinite.
 GREATEST = 1e5
@@ -35,6 +37,14 @@ STEPS = 60
 #: How far beside a limit shares are looked at that tell on which side of it a percentile lies,
 #: relative to it: a bound that is the limit itself tells not whether it is below or at most that.
 BESIDE = 1e-9
+
+
+def bounded(name: str, known: Mapping[str, Any], key: str) -> Value:
+    """A plain number with the bounds beside it, if any; infinite where it is beyond `GREATEST`."""
+    bounds = Bracket.beside(known, key)
+    if bounds is not None and bounds.low >= GREATEST:
+        return Value(quantity(name), inf, Bracket(inf, inf))
+    return Value(quantity(name), known.get(key, "not known"), bounds)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Shares of area and time with a good dilution of precision, between bounds that are proven."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any, TypedDict, Unpack
 
@@ -52,8 +52,8 @@ class CertifiedShare:
     boxes: int
     scope: str
     stopped: str = ""
-    leaves: NDArray[np.float64] | None = None
-    settled: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    leaves: NDArray[np.float64] | None = field(default=None, repr=False)
+    settled: tuple[float, ...] = field(default=(0.0, 0.0, 0.0, 0.0), repr=False)
 
     @property
     def value(self) -> float:

@@ -430,8 +430,13 @@ def with_changes(
 
 
 def worded(changes: Mapping[str, Any]) -> str:
-    """What was changed, in words."""
-    return ", ".join(f"{key} = {value}" for key, value in changes.items())
+    """What was changed, in words: ``inclination 50 deg, planes 3``."""
+    said = []
+    for key, value in changes.items():
+        name, _, unit = key.rpartition("_")
+        number = f"{value:.6g}" if isinstance(value, float) else value
+        said.append(f"{name} {number} {unit}" if unit in ("deg", "km") else f"{key} {number}")
+    return ", ".join(said)
 
 
 def _check_inclination(degrees: NDArray[np.float64]) -> None:
