@@ -441,7 +441,7 @@ def _loss_of(promise: Promise) -> str:
     name, lasting = promise.requirement.name, promise.lasting
     if lasting is not None and promise.decides is lasting:
         return f"{_place(lasting)} ({name})"
-    return f"{promise.requirement.wanted} at {promise.place} ({name})"
+    return f"“{name}” misses {promise.requirement.wanted} at {promise.place}"
 
 
 def _over_time(design: Design, days: float) -> dict[str, Any]:

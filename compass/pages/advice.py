@@ -23,6 +23,7 @@ from compass.pages.lasting import lasting_advice, lasting_sentence
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
 from compass.signal.budget import basis
+from compass.words import listed
 
 
 def answer_section(
@@ -127,7 +128,16 @@ def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> str:
         else f"It has {wanted}, proven {when} on undisturbed orbits. {keeping}",
         Outcome.REFUTED: f"Do not build it for {wanted}: there is a place and a moment without.",
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
-    return _told(words, lasts, fix, *_rivals(results, neighbours), *_of_losses(results))
+    others = (*_rivals(results, neighbours), *_of_losses(results))
+    return _told(words, _of_stations(results), lasts, fix, *others)
+
+
+def _of_stations(results: DesignResults) -> str:
+    """At which stations it is missed, in a sentence; nothing where it is missed at none."""
+    missed = [f"“{one.name}”" for one in results.stations if one.fold.met is False]
+    if not missed:
+        return ""
+    return f"Above the horizon of {listed(missed)} it has less: not always {results.fold.fold}."
 
 
 def _told(*sentences: str) -> str:

@@ -148,18 +148,14 @@ def geometry(results: DesignResults) -> list[Answer]:
     led = aloft + ground if leads_aloft(results) else ground + aloft
     return [
         *(row for one in led for row in place_errors(one)),
-        *(
-            row
-            for one in led
-            for row in _dilutions(one, (one.users[2:] or "on the ground") if aloft else "")
-        ),
+        *(row for one in led for row in _dilutions(one, placed=bool(aloft))),
     ]
 
 
-def _dilutions(mapped: MapResult, where: str) -> list[Answer]:
-    """Dilutions of precision of the users of a map, who stand `where`, if that need be said."""
+def _dilutions(mapped: MapResult, *, placed: bool) -> list[Answer]:
+    """Dilutions of precision of the users of a map; where they stand, if that is to be told."""
     numbers, within = mapped.numbers(), mapped.dataset.attrs["pdop_threshold"]
-    gdop, of = numbers["gdop"], f" {where}" if where else ""
+    gdop, of = numbers["gdop"], f" {mapped.users[2:] or 'on the ground'}" if placed else ""
     return [
         Answer(f"GDOP{of}, 95 % below", *_dilution(mapped, gdop, "p95")),
         Answer(f"GDOP{of}, half of area and time below", *_dilution(mapped, gdop, "p50")),

@@ -102,6 +102,10 @@ def test_the_advice_names_the_rival_and_what_would_change_it(met):
     assert words.startswith("Build it as it is")
     assert "rival of the same size: 90°: 5/5/1, with a mask up to 20° instead of 11." in words
     assert "A mask above 11." in words and "loss of one satellite: then 0 in view" in words
+    assert "horizon of" not in words
+    few = replace(met.stations[1], fold=replace(met.stations[1].fold, met=False))
+    words = what_to_do(replace(met, stations=(met.stations[0], few)), [])
+    assert "proven for all time. Above the horizon of “B” it has less: not always 1." in words
     words = what_to_do(met, beside(met, 3.0, 4.0))
     assert "No other phasing or inclination" in words
 
