@@ -77,16 +77,14 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
     open_ = [v.requirement.name for v in checked.verdicts if v.met is None]
     count = len(checked.verdicts)
     if missed:
-        listed = ", ".join(f"“{name}”" for name in missed)
-        which = (
-            f"its requirement {listed}" if count == 1 else f"{listed} of its {count} requirements"
-        )
+        named = listed([f"“{name}”" for name in missed])
+        which = f"its requirement {named}" if count == 1 else f"{named} of its {count} requirements"
         line = search_line(checked.design, f"--require {shlex.quote(checked.design.label)}")
         remedy = f"What meets {'it' if count == 1 else 'all'} is found by {line}."
         return f"Do not build it as it is: it misses {which}. {remedy}"
     if open_:
-        listed = ", ".join(f"“{name}”" for name in open_)
-        return f"Decide after a finer look: {listed} cannot be told yet. {real}"
+        named = listed([f"“{name}”" for name in open_])
+        return f"Decide after a finer look: {named} cannot be told yet. {real}"
     certain = all(v.evidence in ("proven", "bracket") for v in checked.verdicts)
     said = (
         f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}, "
