@@ -18,7 +18,9 @@ from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture, 
 from compass.quantities.merits import MERITS
 from compass.quantities.percentile import percentile
 from compass.sites import Mask
+from compass.study.bounds import bracketed_figures
 from compass.study.choice import Finalist
+from compass.study.sampling import sampling_of
 from compass.study.yardstick import Yardstick
 from compass.words import capital
 
@@ -205,11 +207,19 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                 f"sensitivity-{objective.figure}".replace(".", "-").replace("_", "-"),
                 f"{title}, by variable",
                 "Best and median of the candidates that meet every constraint and were judged in "
-                "every objective.",
+                f"every objective.{_how_known(study, objective.figure)}",
                 wide=len(shown) > 1,
             )
         )
     return made
+
+
+def _how_known(study: Study, figure: str) -> str:
+    """How well the values of a picture are known, a sentence more; nothing where they are exact."""
+    if figure in bracketed_figures(study):
+        return " Of each candidate the middle of its proven bounds, where there are any."
+    how = sampling_of(study, figure)
+    return f" Sampled over {how}." if how else ""
 
 
 def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Picture:
@@ -251,7 +261,8 @@ def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Pictu
         figure,
         "finalist-maps",
         "GDOP maps of the finalists",
-        f"Below this GDOP 95 % of the time, all on one scale; grey: not for so long. {CELL_DEG:g}-"
-        f"degree cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
+        f"Below this GDOP 95 % of the time, all on one scale; grey: not for so long. Sampled on "
+        f"{CELL_DEG:g}-degree cells at {EPOCHS} epochs in the period after which the ground tracks "
+        "repeat: what lies between is not seen.",
         wide=True,
     )

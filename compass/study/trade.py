@@ -39,6 +39,10 @@ BATCH = (
 )
 
 
+#: Of a run whose time is limited tasks are so many times smaller: what it has begun is lost then.
+HASTE = 8
+
+
 class Bar(Protocol):
     """What a progress bar can do, as tqdm's."""
 
@@ -212,7 +216,8 @@ class Run:
         if isinstance(rows, np.ndarray):
             total = rows.size
             # a short stage is shared among all workers
-            size = max(1, min(BATCH[stage], rows.size // (2 * self.workers.count)))
+            most = BATCH[stage] if self.until == inf else BATCH[stage] // HASTE
+            size = max(1, min(most, rows.size // (2 * self.workers.count)))
             rows = [rows[k : k + size] for k in range(0, rows.size, size)]
         known = self.store.done.get(stage, set())
         missing = _Missing(rows, known, self.until)

@@ -220,3 +220,20 @@ def serve_endlessly(end, study, beat):
 
     workers.evaluate = slowly
     workers._serve(end, study, beat)
+
+
+def test_tasks_of_a_run_that_may_end_anywhere_are_small(tiny, tmp_path):
+    """Else runs of a few seconds would begin the same candidates again and again."""
+    study, sizes = tiny(), {}
+
+    class Sees(OneProcess):
+        def run(self, stage, some, until):
+            for rows in some:
+                sizes.setdefault(until < np.inf, []).append(rows.size)
+                yield from super().run(stage, [rows], until)
+
+    for name, budget_s in (("a", None), ("b", 1e6)):
+        with Store(tmp_path / name, study) as store, pytest.MonkeyPatch.context() as patch:
+            patch.setitem(trade.BATCH, "map", 8)
+            run_trade(study, store, Sees(study), Bars(), budget_s)
+    assert max(sizes[False][1:]) == 8 and max(sizes[True][1:]) == 1
