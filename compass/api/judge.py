@@ -146,7 +146,7 @@ class JudgeResult(Result):
 
 _MEANING = (
     "p50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a search "
-    "finds. In brackets: bounds that hold the percentile of all entries in 95 of 100 cases. "
+    "finds. In brackets: bounds that hold what all entries have in 95 of 100 cases. "
     "In view: fewest. After worst loss: of the one satellite that matters most. Blind: "
     "entries whose measurements alone do not determine the state. NEES: 6 if the filter is "
     "consistent, which in 95 of 100 cases puts it between the bounds. Budget: root mean squares "

@@ -8,6 +8,7 @@ from compass.allowed import check_all_allowed
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_effort import Effort
 from compass.design import Design
+from compass.document import Interval
 from compass.document.numbers import significant
 from compass.entry.campaign import Campaign
 from compass.entry.dispersed import beyond_words
@@ -277,7 +278,11 @@ def _answer(figures: dict[str, Any], goal: float) -> str:
     if worst["value"] <= goal:
         return f"yes; the worst that a search finds is {where}"
     if missed > 0:
-        return f"no: beyond it in {missed:.3g} % of entries; worst {where}"
+        between = ""
+        if known := Interval.beside(figures, "share_within_goal"):
+            low, high = (significant(100 * (1 - end), 3) for end in (known.high, known.low))
+            between = f" ({low} to {high})"
+        return f"no: beyond it in {missed:.3g}{between} % of entries; worst {where}"
     return f"not quite: in all entries judged, but a search finds {where}"
 
 
