@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.drift_result import DriftResult
-from compass.api.given import given_design, given_fold, given_mask, in_metres
+from compass.api.given import given_fold, given_mask, in_metres, joined_designs
 from compass.api.progress import bar, foretell, parts_bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.arguments import checked
@@ -25,7 +25,7 @@ from compass.orbits.trimming import trim
 @checked
 def drift(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     days: float = 687.0,
     start_day: float = 0.0,
     step_days: float | None = None,
@@ -37,7 +37,7 @@ def drift(
     avoid_km: float | None = None,
     progress: bool = False,
 ) -> DriftResult:
-    """Follow a design that is left alone: margin and room over time, and the first loss, proven.
+    """Follow designs that are left alone: margin and room over time, and the first loss, proven.
 
     Of a design with requirements the place is followed that is lost first, unless another fold,
     mask or region is asked for. Where none of them wants satellites always, margin and room are of
@@ -48,8 +48,8 @@ def drift(
 
     Parameters
     ----------
-    design
-        A design, or the path of its file.
+    design, *others
+        A design, or the path of its file; several are one network, their satellites together.
     days, start_day
         Span, days, and its begin after the epoch.
     step_days
@@ -82,7 +82,7 @@ def drift(
     """
     if step_days is not None and not step_days <= days:
         raise ArgumentError(f"step_days = {step_days:g}: allowed above 0 to days, {days:g}")
-    read = given_design(design)
+    read = joined_designs((design, *others))
     if read.requirements:  # which may want errors
         read = in_metres(read)
     wanted = given_fold(fold, read)

@@ -71,7 +71,8 @@ def _written(design: Design) -> Design:
 def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
     """Return one design of the satellites, stations and requirements of all; else as the first.
 
-    Where two designs name satellites alike, every name gets that of its design before it.
+    Where two designs name satellites alike, every name gets that of its design before it. Errors of
+    ranges, and what is promised of them, are those of all if all say the same, else of none.
 
     Raises
     ------
@@ -113,12 +114,18 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
         for site in each.stations:
             if stations[site.name] != site:
                 raise ArgumentError(f"station {site.name}: two of that name differ; rename one")
-    return replace(
-        first,
-        constellation=constellation,
-        name=" + ".join(each.name for each in read),
-        stations=tuple(stations.values()),
-        requirements=tuple(wanted for each in read for wanted in each.requirements),
+    same = all((one.signal, one.integrity) == (first.signal, first.integrity) for one in read)
+    return _written(
+        replace(
+            first,
+            constellation=constellation,
+            name=" + ".join(each.name for each in read),
+            stations=tuple(stations.values()),
+            requirements=tuple(wanted for each in read for wanted in each.requirements),
+            signal=first.signal if same else None,
+            integrity=first.integrity if same else None,
+            text="",
+        )
     )
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +66,7 @@ def map(
     ----------
     design, *others
         A design, or the path of its file; with several their satellites together are mapped, in
-        dilutions alone.
+        metres too where all have the same errors of ranges.
     sites, regions
         Where figures are wanted besides those of the whole surface: sites, names of the design's
         stations, or ``NAME=LAT,LON[,MASK]``; ``lat:MIN:MAX`` or ``polygon:LAT,LON;...``, degrees.
@@ -148,8 +147,6 @@ def map(
         weights=weights,
     )
     given = joined_designs((design, *others))
-    if others:  # each has ranges of its own
-        given = replace(given, signal=None)
     if each_loss and (given.signal is None or given.integrity is None):
         raise ArgumentError(
             "each_loss: protection after a loss needs what is promised, and the errors of ranges; "

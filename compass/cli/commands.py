@@ -45,9 +45,11 @@ COMMANDS = {
         """,
     ),
     "drift": (
-        "design days start_day step_days fold mask_deg region trimmed radius_km avoid_km "
+        "designs days start_day step_days fold mask_deg region trimmed radius_km avoid_km "
         "output elements oem",
-        """Follow a DESIGN that is left alone: margin and room over time, the first loss, proven.
+        """Follow DESIGNS that are left alone: margin and room over time, the first loss, proven.
+
+        Several DESIGNS are one network: their satellites together.
 
         Exit status 0 if what the design requires (without requirements the fold) is proven for all
         the days, 1 if it is lost, undecided or cannot be followed.
@@ -134,8 +136,10 @@ COMMANDS = {
         """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks.""",
     ),
     "report": (
-        f"thing {AREAS} output step_deg epochs store",
-        """Report on a DESIGN, a scenario, a study or a paper: one HTML page that needs no network.
+        f"designs {AREAS} output step_deg epochs store",
+        """Report on a design, a scenario, a study or a paper: one HTML page that needs no network.
+
+        Several DESIGNS are one network of satellites: theirs together.
 
         A file with a table [study] is a study, and its page is made from the store of `compass
         trade`; one with a table [vehicle] is a scenario of landing; all else is a design. The name

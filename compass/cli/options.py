@@ -46,7 +46,6 @@ OPTIONS: dict[str, Told] = {
     "paper": argument(type=Word(PAPERS)),
     "scenario": argument(),
     "study": argument(),
-    "thing": argument(metavar="DESIGN"),
     # by name
     "above_m": real("Height of stations over the ground, m.", 0.0),
     "altitude_km": real("Orbit altitude over the equator."),

@@ -72,6 +72,9 @@ def geometry_verdict(
         title = requirement.titled(name)
         reason = f"{title} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
+    if requirement.losses >= c.size:
+        reason = f"no satellite is left of {c.size}"
+        return Verdict(requirement, False, "proven", course.words, (0.0, 0.0), reason=reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_in_metres, given_places, given_scenario, given_study
+from compass.api.given import given_places, given_scenario, given_study, in_metres, joined_designs
 from compass.api.judge import JudgeResult
 from compass.api.land import LandResult, land
 from compass.api.progress import bar
@@ -62,7 +62,7 @@ class ReportResult(Result):
 @checked
 def report(
     thing: Design | Scenario | Study | JudgeResult | LandResult | ReproduceResult | str | Path,
-    *,
+    *others: Design | str | Path,
     sites: Site | str | Sequence[Site | str] = (),
     regions: str | Sequence[str] = (),
     output: str | Path | None = None,
@@ -83,6 +83,8 @@ def report(
     thing
         What to report on, or the path of its file, or the name of a paper; or what `compass.judge`,
         `compass.land` or `compass.reproduce` found, which is then shown as it is.
+    *others
+        More designs, which are one network with a first: their satellites together.
     sites, regions
         Where figures of a design are wanted besides those of the whole surface, as of
         `compass.map`.
@@ -124,10 +126,14 @@ def report(
     if output is not None:
         folder = Path(output)
     elif isinstance(thing, str | Path):
-        folder = Path("reports") / Path(thing).stem
+        folder = Path("reports") / " + ".join(_stem(one) for one in (thing, *others))
     else:
         raise ArgumentError("output: needed for what is not read from a file; name a folder")
     check_page_folder(folder)
+    if others and kind != "design":
+        raise ArgumentError(
+            f"{others[0]}: {name} is not a design, with which others are one network; leave it out"
+        )
     finer = {"step_deg": step_deg, "epochs": epochs}
     if kind != "design" and (sites or regions):
         raise ArgumentError(
@@ -154,7 +160,7 @@ def report(
     elif kind == "ranking":
         title, (page, several) = name, judge_report(read, command)
     else:
-        chosen = given_in_metres(read)
+        chosen = in_metres(joined_designs((read, *others)))
         places = given_places(sites, regions, chosen)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
             title = chosen.name
@@ -178,6 +184,11 @@ _KINDS: dict[type, str] = {
     ReproduceResult: "paper",
     JudgeResult: "ranking",
 }
+
+
+def _stem(thing: Design | str | Path) -> str:
+    """What a page's folder is called by a file, or by a design of none."""
+    return thing.name if isinstance(thing, Design) else Path(thing).stem
 
 
 def _name(thing: object) -> str:

@@ -468,3 +468,10 @@ fold = {fold}
     code, out, err = run("check", path)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "no such [[station]]; there are E" in err
+
+
+def test_of_all_satellites_lost_no_geometry_is_left():
+    lost = Requirement("none left", sites=(EQUATOR,), limits=(("pdop", 6.0),), losses=6)
+    found = verdict(ring(lost, satellites=6))
+    assert (found.met, found.evidence, found.share) == (False, "proven", (0.0, 0.0))
+    assert found.reason == "no satellite is left of 6"
