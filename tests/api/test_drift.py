@@ -68,6 +68,17 @@ def test_json_lists_margin_and_room_over_the_days(found):
     json.dumps(out)
 
 
+def test_several_designs_drift_as_one_network(file, found):
+    whole = read_design(file)
+    three, two = (
+        replace(whole, name=name, constellation=whole.constellation.without(others))
+        for name, others in (("three", [3, 4]), ("two", [0, 1, 2]))
+    )
+    both = compass.drift(three, two, days=3.0, trimmed=False).to_dict()
+    assert both["margin_deg"] == pytest.approx(found.to_dict()["margin_deg"], abs=1e-3)
+    assert len(both["per_satellite"]) == 5
+
+
 def test_the_text_says_how_long_first(found):
     words = text(found.document())
     assert words.splitlines()[0].startswith("five: PROVEN: 1 or more satellites above 0 deg")
