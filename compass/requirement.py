@@ -121,7 +121,7 @@ class Requirement:
         --------
         >>> import compass
         >>> compass.Requirement.of("survey", fold=4, pdop_at_most=6, share=0.9).claim
-        '4 satellites and PDOP at most 6, for 90 % of the time, globe'
+        '4 satellites and PDOP at most 6, for 90 % of the time, all of Mars'
         """
         known = {f"{limit}_at_most": limit for limit in LIMITS}
         for key in at_most:

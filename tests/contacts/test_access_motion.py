@@ -100,7 +100,7 @@ def test_rise_and_set_of_an_integrated_orbit_are_at_the_mask():
         up = ray @ site.enu_mcmf[2] / np.linalg.norm(ray)
         assert np.degrees(np.arcsin(up)) == pytest.approx(5.0, abs=1e-5)
     assert found.survey.nodes and find_node(found.survey.nodes, "P1S1").states.shape[1] == 6
-    assert "Under numerical motion" in " ".join(found.notes())
+    assert "In numerical motion: GMM-3" in " ".join(found.notes())
     assert "Rise and set are found to 1 ms of the motion modelled" in " ".join(found.notes())
 
 
