@@ -4,7 +4,6 @@ A set is an array of starts and ends, shape (n, 2), seconds, in order and not ov
 """
 
 from collections.abc import Sequence
-from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +15,9 @@ def at_least(k: int, sets: Sequence[Spans]) -> Spans:
     """Return the times covered by at least k of the sets; spans that touch become one."""
     if k <= 0:
         raise ValueError(f"k = {k}: at least 1 set must be asked for")
-    total = sum(len(s) for s in sets)
-    if not total:
+    times, covered = _counted(sets)
+    if not times.size:
         return np.empty((0, 2))
-    times = np.concatenate([s.T.ravel() for s in sets])
-    steps = np.concatenate([np.repeat([1, -1], len(s)) for s in sets])
-    order = np.lexsort((-steps, times))  # at one time, what begins comes before what ends
-    times, covered = times[order], np.cumsum(steps[order])
     inside = covered >= k
     begins = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
     ends = np.flatnonzero(~inside & np.concatenate([[False], inside[:-1]]))
@@ -32,7 +27,17 @@ def at_least(k: int, sets: Sequence[Spans]) -> Spans:
 
 def fewest(sets: Sequence[Spans], duration: float) -> int:
     """Return how many of the sets cover every moment from 0 to `duration` at least."""
-    return next(k for k in count() if outside(at_least(k + 1, sets), duration).size)
+    times, covered = _counted(sets)
+    lasts = np.diff(times, prepend=0.0, append=duration) > 0.0
+    return int(np.append(0, covered)[lasts].min())
+
+
+def _counted(sets: Sequence[Spans]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """When spans begin and end, and how many of the sets cover the time from then on."""
+    times = np.concatenate([np.empty(0), *(s.T.ravel() for s in sets)])
+    steps = np.concatenate([np.empty(0, int), *(np.repeat([1, -1], len(s)) for s in sets)])
+    order = np.lexsort((-steps, times))  # at one time, what begins comes before what ends
+    return times[order], np.cumsum(steps[order])
 
 
 def any_of(sets: Sequence[Spans]) -> Spans:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.spans import all_of, any_of, at_least, outside, total
+from compass.contacts.spans import all_of, any_of, at_least, fewest, outside, total
 from compass.contacts.statistics import statistics
 
 N = 40
@@ -37,11 +37,13 @@ def test_counts_of_sets_are_counts_of_cells(sets, k):
     assert np.all(merged[1:, 0] > merged[:-1, 1])  # what touches is one span
     assert total(merged) == (counts >= 1).sum()
     np.testing.assert_array_equal(cells(outside(merged, float(N))), counts == 0)
+    assert fewest(sets, float(N)) == counts.min()
 
 
 def test_nothing_is_covered_by_nothing():
     assert any_of([]).shape == (0, 2)
     np.testing.assert_array_equal(outside(np.empty((0, 2)), 5.0), [[0.0, 5.0]])
+    assert fewest([], 5.0) == 0
     with pytest.raises(ValueError, match="at least 1 set"):
         at_least(0, [])
 
