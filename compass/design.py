@@ -1,5 +1,6 @@
 """A design: a constellation, who uses it, and the stations and radios around it. No files."""
 
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
@@ -129,7 +130,9 @@ class Design:
     text
         Of the file it was read from, for provenance; empty without one.
     label
-        The file's name as given.
+        The file's name as given; of several designs that are one network the first's.
+    others
+        Names of the files of the others of that network.
     """
 
     constellation: Constellation
@@ -153,6 +156,7 @@ class Design:
     integrity: Integrity | None = None
     text: str = field(default="", compare=False)
     label: str = field(default="design", compare=False)
+    others: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         """Take a name from the constellation if there is no other, and lists as tuples.
@@ -202,6 +206,11 @@ class Design:
     def digest(self) -> str:
         """SHA-256 of the text in hexadecimal, for provenance."""
         return sha256(self.text.encode()).hexdigest()
+
+    @property
+    def typed(self) -> str:
+        """Its files as typed on a command line; a network's one after the other."""
+        return shlex.join((self.label, *self.others))
 
     def __add__(self, other: object) -> NoReturn:
         raise ArgumentError(

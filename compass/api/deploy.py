@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.given import given_design
+from compass.api.given import joined_designs
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.coverage.room import has_slots
@@ -175,7 +175,7 @@ class DeployResult(Result):
 @checked
 def deploy(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     launch_altitude_km: float | None = None,
     longest_wait_days: float | None = None,
     satellites_a_launch: int | None = None,
@@ -184,8 +184,9 @@ def deploy(
 
     Parameters
     ----------
-    design
-        A design of circular orbits of one radius and inclination, or the path of its file.
+    design, *others
+        A design of circular orbits of one radius and inclination, or the path of its file; several
+        are one network, their satellites together.
     launch_altitude_km
         Of the circular orbit launched into; else the design's.
     longest_wait_days
@@ -205,7 +206,7 @@ def deploy(
     >>> found.deployment.launches
     1
     """
-    read = given_design(design)
+    read = joined_designs((design, *others))
     c, known = read.constellation, read.launching
     if not has_slots(c):
         raise ArgumentError("deploy: needs circular orbits of one radius and inclination")

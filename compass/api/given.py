@@ -125,6 +125,7 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
             signal=first.signal if same else None,
             integrity=first.integrity if same else None,
             text="",
+            others=tuple(label for each in read for label in (each.label, *each.others))[1:],
         )
     )
 

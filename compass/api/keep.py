@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import degrees, isfinite, radians
 from pathlib import Path
 
-from compass.api.given import given_design, given_fold, given_mask
+from compass.api.given import given_fold, given_mask, joined_designs
 from compass.api.keep_result import YEAR, KeepResult
 from compass.api.progress import bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
@@ -22,7 +22,7 @@ from compass.orbits.keeping import keep_kinds, keep_slots
 @checked
 def keep(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     years: float | None = None,
     box_deg: float | None = None,
     fold: int | None = None,
@@ -40,10 +40,10 @@ def keep(
 
     Parameters
     ----------
-    design
-        A design, or the path of its file; one of two-body motion is kept under the default
-        forces. Orbits that are oval, or of several radii or inclinations, are kept kind by kind
-        and need `box_deg`.
+    design, *others
+        A design, or the path of its file; several are one network, their satellites together. One
+        of two-body motion is kept under the default forces. Orbits that are oval, or of several
+        radii or inclinations, are kept kind by kind and need `box_deg`.
     years
         Time to simulate, Earth years of 365.25 days; else the design's, as all that follows.
     box_deg
@@ -75,7 +75,7 @@ def keep(
     >>> found.holds, len(found.delta_v_m_s_year)
     (True, 15)
     """
-    read = given_design(design)
+    read = joined_designs((design, *others))
     upkeep = _upkeep(
         read.upkeep,
         years=years,

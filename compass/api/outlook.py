@@ -4,7 +4,6 @@ Other commands say each of these; here they are asked for together, as a page wa
 bound on the work, and kept on disk.
 """
 
-import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import ceil
@@ -253,7 +252,7 @@ class Glance:
         """
         who = f"“{name}”" if name else "it"
         days = min(self.looked_days, days_to_see(self.days_proven, self.first_loss_days))
-        proven = f"{self.sure}: compass drift {shlex.quote(self.design.label)} --days {days:g}"
+        proven = f"{self.sure}: compass drift {self.design.typed} --days {days:g}"
         return Answer(f"{capital(left_words(self.design))} {who} lasts", self.words, None, proven)
 
 
@@ -284,7 +283,7 @@ def glance(design: Design) -> Glance:
 
 def commands(design: Design, found: Outlook) -> dict[str, str]:
     """The command lines that prove what is said: ``lasts``, ``radii``, ``keeping``."""
-    name = shlex.quote(design.label)
+    name = design.typed
     radii = ",".join(f"{r.radius_km:g}" for r in found.lasting_radii or found.radii)
     until = found.horizon_days
     if not found.lasts:
@@ -325,7 +324,7 @@ def _look(design: Design) -> dict[str, Any]:
                 notes.append(
                     "keeping: orbits that are oval, or of several radii or inclinations, form no "
                     "slots, so that no box follows from a margin; what a box costs says compass "
-                    f"keep {shlex.quote(design.label)} --box-deg DEGREES"
+                    f"keep {design.typed} --box-deg DEGREES"
                 )
             else:
                 try:

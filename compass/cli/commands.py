@@ -30,10 +30,11 @@ COMMANDS = {
         """,
     ),
     "deploy": (
-        "design launch_altitude_km longest_wait_days satellites_a_launch",
+        "designs launch_altitude_km longest_wait_days satellites_a_launch",
         """Weigh waiting for planes, whose nodes Mars's flattening turns apart, against delta-v.
 
-        Exit status 0 if waiting reaches every plane of the DESIGN in time, 1 if not.
+        Several DESIGNS are one network. Exit status 0 if waiting reaches every plane in time, 1 if
+        not.
         """,
     ),
     "determine": (
@@ -89,9 +90,11 @@ COMMANDS = {
         """,
     ),
     "keep": (
-        "design years box_deg fold mask_deg specific_impulse_s dry_mass_kg smallest_burn_m_s "
+        "designs years box_deg fold mask_deg specific_impulse_s dry_mass_kg smallest_burn_m_s "
         "execution_error navigation_error_m seed radius_km",
-        """Simulate impulsive station-keeping of every satellite of a DESIGN in its slot.
+        """Simulate impulsive station-keeping of every satellite of DESIGNS in its slot.
+
+        Several DESIGNS are one network: their satellites together.
 
         Exit status 0 if all stay within the margin, 1 if not.
         """,

@@ -1,6 +1,5 @@
 """The first section of a design's page: what to do, the answers, the picture that carries them."""
 
-import shlex
 from collections.abc import Sequence
 
 import numpy as np
@@ -79,9 +78,11 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
     if missed:
         named = listed([f"“{name}”" for name in missed])
         which = f"its requirement {named}" if count == 1 else f"{named} of its {count} requirements"
-        line = search_line(checked.design, f"--require {shlex.quote(checked.design.label)}")
-        remedy = f"What meets {'it' if count == 1 else 'all'} is found by {line}."
-        return f"Do not build it as it is: it misses {which}. {remedy}"
+        remedy = ""
+        if not checked.design.others:  # a search has the requirements of one file
+            line = search_line(checked.design, f"--require {checked.design.typed}")
+            remedy = f"What meets {'it' if count == 1 else 'all'} is found by {line}."
+        return _told(f"Do not build it as it is: it misses {which}.", remedy)
     if open_:
         named = listed([f"“{name}”" for name in open_])
         return f"Decide after a finer look: {named} cannot be told yet. {real}"

@@ -3,7 +3,6 @@
 Further answers join `ANSWERS` in the order of the page: a function from `DesignResults` to rows.
 """
 
-import shlex
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -212,7 +211,7 @@ def place_errors(mapped: MapResult) -> list[Answer]:
 def map_command(mapped: MapResult) -> str:
     """The command line that tells the same of the same users."""
     attrs = mapped.made.dataset.attrs
-    words = ["compass map", shlex.quote(mapped.design.label)]
+    words = ["compass map", mapped.design.typed]
     if mapped.users:
         words += [
             f"--{option} {attrs[name]:g}"

@@ -24,5 +24,5 @@ def deployment_section(design: Design) -> Section | None:
         "What one satellite costs from the orbit launched into to its plane and radius, against "
         "the wait for the last plane of a launch; the dotted line is the longest wait allowed.",
     )
-    prove = Sentence(f"The same by a command: compass deploy {design.label}")
+    prove = Sentence(f"The same by a command: compass deploy {design.typed}")
     return Section("Deployment", (*result.document().blocks, drawn, prove))

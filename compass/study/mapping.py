@@ -392,7 +392,7 @@ def provenance(design: Design, command: str, users: str = "") -> dict[str, str]:
         "history": f"{now} {command}".strip(),
         "references": " ".join(design.source.split()),
         "epoch_tdb": epoch_text(design.constellation.epoch),
-        "design_file": design.label,
+        "design_file": " + ".join((design.label, *design.others)),
         "design_text": design.text,
         "design_sha256": design.digest,
         "compass_version": compass.__version__,

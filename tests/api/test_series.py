@@ -1,5 +1,7 @@
 """Series at stations against dense samples; several designs as one network; bad input."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,9 @@ def test_two_designs_are_one_network(tmp_path):
     assert joined.rows() == single.rows()
     again = joined_designs((one, compass.Design(RING, "again")))
     assert again.constellation.satellite_names[0].startswith("one ")
+    named = (replace(one, label="one.toml"), replace(two, label="two more.toml"))
+    assert joined_designs(named).typed == "one.toml 'two more.toml'"
+    assert joined_designs((joined_designs(named[:1]), named[1])).typed == "one.toml 'two more.toml'"
     wanted = (compass.Requirement.of("w", sites=[SITE], fold=1),)
     check = compass.check(compass.Design(RING, "one", requirements=wanted), two, days=0.2)
     assert check.design.constellation.size == 5
