@@ -267,7 +267,7 @@ p_sat = 2e-6
 
 
 def test_every_table_is_kept():
-    """Each field of a design but its text and label, with nothing as it is without a table."""
+    """Each field of a design but its text and its files, with nothing as it is without a table."""
     design = read_design_text(EVERYTHING)
     again = read_design_text(design_toml(design))
     plain = compass.Design(design.constellation, name=design.name)
@@ -283,7 +283,7 @@ def test_every_table_is_kept():
         tried = {getattr(wanted, field.name) for wanted in design.requirements}
         assert tried - {getattr(bare, field.name)}, f"{field.name} of a requirement is not tried"
     known = {f.name for f in dataclasses.fields(compass.Design)}
-    assert known == {*KEPT, "constellation", "stations", "motion", "text", "label"}
+    assert known == {*KEPT, "constellation", "stations", "motion", "text", "label", "others"}
     assert compass.export(design, format="toml").not_kept == ()
 
 
