@@ -1,7 +1,7 @@
 """A design: a constellation, who uses it, and the stations and radios around it. No files."""
 
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from typing import Any, NoReturn
@@ -218,6 +218,14 @@ class Design:
             "for their masks, stations and figures may differ; join their constellations, as in "
             "compass.Design(one.constellation + other.constellation, mask=one.mask)"
         )
+
+    def with_satellites(self, kept: Sequence[int]) -> "Design":
+        """Return the design with the satellites of these indices alone, and their covariances."""
+        lost = [k for k in range(self.constellation.size) if k not in set(kept)]
+        signal = self.signal
+        if signal is not None and len(signal.covariance) > 1:
+            signal = replace(signal, covariance=tuple(signal.covariance[k] for k in sorted(kept)))
+        return replace(self, constellation=self.constellation.without(lost), signal=signal)
 
     def varied(
         self, *, mask_deg: float | None = None, fold: int | None = None, **changes: Any

@@ -1,7 +1,7 @@
 """Where a user is who stands still, with however few satellites: how well, and after how long."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -316,8 +316,7 @@ def _place(site: Site | str, design: Design) -> Site:
 
 def _with(names: Sequence[str], design: Design) -> Design:
     """The design with those satellites alone, and their covariances."""
-    c, signal = design.constellation, design.signal
-    assert signal is not None
+    c = design.constellation
     unknown = [name for name in names if name not in c.satellite_names]
     if unknown:
         raise ArgumentError(
@@ -326,9 +325,4 @@ def _with(names: Sequence[str], design: Design) -> Design:
         )
     if not names:
         return design
-    kept = [k for k, name in enumerate(c.satellite_names) if name in names]
-    dropped = [k for k in range(c.size) if k not in kept]
-    matrices = signal.covariance
-    if len(matrices) > 1:
-        signal = replace(signal, covariance=tuple(matrices[k] for k in kept))
-    return replace(design, constellation=c.without(dropped), signal=signal)
+    return design.with_satellites([c.satellite_names.index(name) for name in names])

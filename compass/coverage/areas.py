@@ -146,7 +146,7 @@ class Area:
         return {q: _hull([(of[q].low, of[q].high) for of in found]) for q in percents}
 
     def _asked(self, users: Users) -> dict[str, Any]:
-        return asked_place(users, self.course) | {
+        return asked_place(users, self.course, self.design.constellation) | {
             "figure": users.figure,
             "mask": users.mask,
             "beam": users.beam,

@@ -50,6 +50,13 @@ GLANCE_BOXES = 200_000
 #: Satellites times sets of lost ones, each a proof of its own: past it a day would not do.
 MOST_LEFT = 1_000_000
 
+#: Rotations of Mars after which closed tracks of several periods are together where they began,
+#: at most: past them each counts by itself.
+CLOSING = 30
+
+#: Why of orbits that keep no pace little is proven for ever, and what helps.
+MEETING = "orbits that keep no pace meet in every combination of their phases; give days"
+
 #: Days that are looked at for a miss where nothing can be proven for ever.
 LOOKED_AT = 2.0
 
@@ -85,11 +92,13 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
         start = start_day * SECONDS_PER_DAY
         words = f"over {counted(days, 'day')} from day {start_day:g}, {motion}, at the place"
         return Course((start, start + days * SECONDS_PER_DAY), False, words)
-    if c.repeat is not None and not j2:
-        revolutions, rotations = c.repeat
+    if (rotations := c.rotations) is not None and not j2 and (c.repeat or rotations <= CLOSING):
+        after = f"{counted(rotations, 'rotation')} of Mars"
+        if c.repeat is not None:
+            after = f"{counted(c.repeat[0], 'revolution')} in {after}"
         words = (
             f"for ever, {motion}, at the place, for its ground tracks are said to close after "
-            f"{counted(revolutions, 'revolution')} in {counted(rotations, 'rotation')} of Mars"
+            f"{after}"
         )
         return Course((0.0, rotations * 2 * np.pi / MARS_ROTATION_RATE.value), True, words)
     alike = one_circle(c) and np.unique(c.inclination).size <= 1
@@ -156,11 +165,7 @@ def fold_verdict(
             )
             if some.met is False:
                 return some
-        return undecided(
-            requirement,
-            "for ever",
-            "orbits of different periods meet in every combination of their phases; give days",
-        )
+        return undecided(requirement, f"for ever, {design.motion.title}", MEETING)
     users = users_of(design, requirement)
     if requirement.share < 1.0:
         cases = losses_of(design.constellation, requirement, users, course)

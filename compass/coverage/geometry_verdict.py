@@ -12,7 +12,14 @@ from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_witness import in_view
 from compass.coverage.certified_worst import CertifiedAlways
-from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
+from compass.coverage.fold_verdict import (
+    LOOKED_AT,
+    MEETING,
+    Course,
+    course_of,
+    losses_of,
+    users_of,
+)
 from compass.coverage.protection import LEVELS
 from compass.coverage.region import latitude_band
 from compass.coverage.sampled_verdict import sampled_verdict
@@ -22,7 +29,7 @@ from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design
 from compass.errors import said_of
 from compass.orbits import Constellation
-from compass.orbits.symmetry import alike_longitudes, one_circle
+from compass.orbits.symmetry import alike_longitudes, one_circle, one_period
 from compass.requirement import DILUTIONS, Requirement
 from compass.sites import Site
 
@@ -69,9 +76,7 @@ def geometry_verdict(
     effort, c = effort or Effort(), design.constellation
     course = course_of(design, days, start_day)
     if course is None:
-        title = requirement.titled(name)
-        reason = f"{title} is certified for ever for orbits of one period alone; give days"
-        return undecided(requirement, f"under {design.motion.title}", reason)
+        return _missed_soon(design, requirement, name, limit, effort)
     if requirement.losses >= c.size:
         reason = f"no satellite is left of {c.size}"
         return Verdict(requirement, False, "proven", course.words, (0.0, 0.0), reason=reason)
@@ -101,7 +106,7 @@ def geometry_verdict(
                 seen = by_horizon(users, design.constellation, design.motion)
                 by_place = requirement.share < 1.0 and requirement.share_of == "time"
                 among = by_place and users.south != users.north
-                where = asked_place(seen, course)
+                where = asked_place(seen, course, c)
                 if among:
                     where = _worst_asked(seen, course, left if same else None)
                 where |= {
@@ -135,6 +140,19 @@ def geometry_verdict(
     if in_beams and ended_early and name != FOLD and (thorough or by_samples):
         return _beside(settled, sampled(), everyone)
     return settled
+
+
+def _missed_soon(
+    design: Design, requirement: Requirement, name: str, limit: float, effort: Effort
+) -> Verdict:
+    """Verdict where nothing can be proven for ever: what is missed once is not always so."""
+    if requirement.share == 1.0:
+        some = geometry_verdict(design, requirement, name, limit, days=LOOKED_AT, effort=effort)
+        if some.met is False:
+            return some
+    title = "so many in view" if name == FOLD else requirement.titled(name)
+    reason = f"{title} is proven for ever of orbits that keep pace, or close; {MEETING}"
+    return undecided(requirement, f"for ever, {design.motion.title}", reason)
 
 
 def _beside(proof: Verdict, sampled: Verdict, everyone: Sequence[Users]) -> Verdict:
@@ -259,12 +277,12 @@ def _worst_asked(users: Users, course: Course, c: Constellation | None) -> dict[
     return asked
 
 
-def asked_place(users: Users, course: Course) -> dict[str, Any]:
+def asked_place(users: Users, course: Course, c: Constellation) -> dict[str, Any]:
     """Where and when users are looked at, as certified figures ask."""
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height}
     # what holds for ever at all longitudes needs no span
-    if course.span is not None and not (course.for_ever and users.is_belt):
+    if course.span is not None and not (course.for_ever and users.is_belt and one_period(c)):
         start, stop = course.span
         asked |= {"since": start, "duration": stop - start}
     if users.south == users.north:

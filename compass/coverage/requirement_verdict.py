@@ -8,11 +8,12 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import course_of, fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
 from compass.coverage.geometry_verdict import asks_for_folds, geometry_verdict
-from compass.coverage.period_verdict import by_one_period
+from compass.coverage.period_verdict import by_parts
 from compass.coverage.value_limit import FOLD
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design
 from compass.errors import ArgumentError
+from compass.orbits.symmetry import one_period
 from compass.requirement import Requirement
 
 #: A share of which it is soon told that what is not always there has less.
@@ -52,13 +53,39 @@ def verdict_of(
         mask below the limb, too many sets of lost satellites.
     """
     _check_days(design, days, start_day)
-    if days is None and course_of(design, None, 0.0) is None:
+    course = course_of(design, None, 0.0) if days is None else None
+    if days is not None or (course is not None and one_period(design.constellation)):
+        return _of_all(design, requirement, days, start_day, effort, thorough)
+    found = None
+    if course is not None:
+        found = _of_all(design, requirement, None, 0.0, effort, thorough)
+        if found.met is not None:
+            return found
+    often = thorough and requirement.share < 1.0  # bounds of a part are bounds of all
 
-        def settle(group: Design) -> Verdict:
-            return verdict_of(group, requirement, effort=effort)
+    def settle(part: Design) -> Verdict:
+        return verdict_of(part, requirement, effort=effort, thorough=often)
 
-        if (known := by_one_period(design, requirement, settle)) is not None:
-            return known
+    alone = by_parts(design, requirement, settle)
+    if alone.met is not None:
+        return alone.met
+    found = found or _of_all(design, requirement, None, 0.0, effort, thorough)
+    if found.met is not None or not alone.told:
+        return found
+    known = found.share or ((0.0, 1.0) if requirement.share < 1.0 else None)
+    share = None if known is None else (max(known[0], alone.least), known[1])
+    return replace(found, reason=f"{alone.told}; {found.reason}", share=share)
+
+
+def _of_all(
+    design: Design,
+    requirement: Requirement,
+    days: float | None,
+    start_day: float,
+    effort: Effort | None,
+    thorough: bool,
+) -> Verdict:
+    """Verdict on all satellites together: of the fold and of each limit."""
     verdicts, limits = [], list(requirement.limits)
     if (fold := requirement.counts) is not None:
         if asks_for_folds(design, requirement, days, start_day):

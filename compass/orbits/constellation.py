@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from math import lcm
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,9 @@ class Constellation:
         Gravitational parameter, m^3/s^2.
     repeat
         Revolutions and rotations of Mars after which the ground tracks are declared to close, for
-        ever; None where nobody says so, however near to closed they are.
+        ever; None where nobody says so of all, however near to closed they are.
+    repeats
+        The same of each satellite, where they differ; empty where `repeat` says it of all.
     """
 
     name: str
@@ -63,6 +66,7 @@ class Constellation:
     satellite_names: tuple[str, ...] = ()
     gm: float = MARS_GM.value
     repeat: tuple[int, int] | None = None
+    repeats: tuple[tuple[int, int] | None, ...] = ()
 
     def __post_init__(self) -> None:
         elements = {name: np.array(getattr(self, name), dtype=float) for name in ELEMENTS}
@@ -74,6 +78,11 @@ class Constellation:
             raise ArgumentError(
                 f"satellite_names: {counted(len(self.satellite_names), 'name')} for "
                 f"{counted(self.size, 'satellite')}"
+            )
+        if self.repeats and (self.repeat is not None or len(self.repeats) != self.size):
+            raise ArgumentError(
+                f"repeats: {len(self.repeats)} for {counted(self.size, 'satellite')}; give one for "
+                "each, and no repeat of all beside them"
             )
         real_number("epoch", self.epoch)
         if not real_number("gm", self.gm) > 0:
@@ -123,9 +132,8 @@ class Constellation:
         both: dict[str, Any] = {
             e: np.concatenate([getattr(self, e), getattr(other, e)]) for e in ELEMENTS
         }
-        repeat = self.repeat if self.repeat == other.repeat else None
-        name = f"{self.name} + {other.name}"
-        return replace(self, name=name, satellite_names=names, repeat=repeat, **both)
+        both |= _declared([*self.each_repeat, *other.each_repeat])
+        return replace(self, name=f"{self.name} + {other.name}", satellite_names=names, **both)
 
     def __repr__(self) -> str:
         known = self.pattern is not None and self.name == self.pattern.notation
@@ -156,6 +164,17 @@ class Constellation:
             return None
         along = self.argument_of_periapsis + self.mean_anomaly
         return find_pattern(self.inclination, self.raan, along)
+
+    @property
+    def each_repeat(self) -> tuple[tuple[int, int] | None, ...]:
+        """`repeat` of each satellite."""
+        return self.repeats or (self.repeat,) * self.size
+
+    @property
+    def rotations(self) -> int | None:
+        """Rotations of Mars after which all tracks are declared closed; None if one is not."""
+        each = [repeat[1] for repeat in self.each_repeat if repeat is not None]
+        return lcm(*each) if each and len(each) == self.size else None
 
     @property
     def is_circular(self) -> bool:
@@ -192,7 +211,16 @@ class Constellation:
             raise ArgumentError(f"lost = {k}: {allowed}")
         kept = np.setdiff1d(np.arange(self.size), gone)
         left: dict[str, Any] = {e: getattr(self, e)[kept] for e in ELEMENTS}
+        if self.repeats:
+            left |= _declared([self.repeats[k] for k in kept])
         return replace(self, satellite_names=tuple(self.satellite_names[k] for k in kept), **left)
+
+
+def _declared(each: Sequence[tuple[int, int] | None]) -> dict[str, Any]:
+    """After what tracks are declared to close: of all where they are alike, else of each."""
+    if len(set(each)) <= 1:
+        return {"repeat": next(iter(each), None), "repeats": ()}
+    return {"repeat": None, "repeats": tuple(each)}
 
 
 #: The names of the six elements, in order.
