@@ -48,15 +48,26 @@ def found_so_far(said: Callable[[], str]) -> Iterator[None]:
 #: How alike two names must be, of 1, for the one to be offered for the other: a letter or two off.
 LIKENESS = 0.8
 
-#: The same for words as short as commands are: two letters of four swapped leave so much alike.
+#: The same for words as short as commands and sites are: of four letters two swapped leave so much.
 SHORT = 0.7
 
 
 def near(
     name: str, known: Iterable[str], most: int = 1, *, likeness: float = LIKENESS
 ) -> list[str]:
-    """Names that someone who wrote `name` may have meant, nearest first; often none."""
-    return get_close_matches(name, list(known), n=most, cutoff=likeness)
+    """Names that someone who wrote `name` may have meant, nearest first; often none.
+
+    Capitals count for nothing.
+    """
+    alike = {one.casefold(): one for one in known}
+    found = get_close_matches(name.casefold(), list(alike), n=most, cutoff=likeness)
+    return [alike[one] for one in found]
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """Ask whether the nearest of names was meant; nothing where none is near."""
+    likeness = SHORT if len(name) < 6 else LIKENESS
+    return "".join(f"did you mean {one}? " for one in near(name, known, likeness=likeness))
 
 
 def whole_number(

@@ -20,6 +20,11 @@ from compass.frames import (
 )
 
 
+def _degrees(radians: ArrayLike) -> list[float]:
+    """Degrees as they were given: what radians have rounded is rounded back."""
+    return [float(f"{x:.12g}") for x in np.degrees(radians)]
+
+
 @dataclass(frozen=True)
 class Mask:
     """Elevation below which nothing is seen, as a function of azimuth.
@@ -45,7 +50,7 @@ class Mask:
         azimuth, elevation = np.array(self.azimuth), np.array(self.elevation)
         if not np.all((azimuth >= 0) & (azimuth < 2 * np.pi)) or np.any(np.diff(azimuth) <= 0):
             raise ArgumentError(
-                f"mask: azimuths {np.degrees(azimuth).tolist()} deg; they must increase "
+                f"mask: azimuths {_degrees(azimuth)} deg; they must increase "
                 "strictly from 0 up to below 360"
             )
         if not np.all(np.abs(elevation) < np.pi / 2):
@@ -64,9 +69,9 @@ class Mask:
         return self
 
     def _refuse(self) -> None:
-        shown = np.degrees(self.elevation).tolist()
         raise ArgumentError(
-            f"mask: elevations {shown} deg; allowed 0 up to below 90, in orbit from above -90 on"
+            f"mask: elevations {_degrees(self.elevation)} deg; allowed 0 up to below 90, in orbit "
+            "from above -90 on"
         )
 
     @classmethod

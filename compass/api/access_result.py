@@ -14,7 +14,7 @@ from compass.conventions import dated, epoch_text
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, meant
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
 from compass.saving import ENDINGS, check_ending, replacing, save_netcdf, write_csv
@@ -191,7 +191,8 @@ class AccessResult(Result):
         chosen = name or (names[0] if names else "")
         if chosen not in names:
             raise ArgumentError(
-                f"name = {name!r}: no such node; allowed {', '.join(names) or 'none'}"
+                f"name = {name!r}: no such node; {meant(chosen, names)}allowed "
+                f"{', '.join(names) or 'none'}"
             )
         drawn = axes_or_new(axes, 8.0, height_of(self.survey, chosen))
         draw_timeline(drawn, self.survey, chosen)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from compass.coverage.region import read_regions
 from compass.design import Design
-from compass.errors import ArgumentError, said_of, whole_number
+from compass.errors import ArgumentError, meant, said_of, whole_number
 from compass.inputs import read_design
 from compass.orbits.constellation import Constellation
 from compass.sites import Mask, Site
@@ -213,7 +213,8 @@ def given_places(
             if site not in known:
                 named = ", ".join(known) or "none"
                 raise ArgumentError(
-                    f"site {site!r}: no [[station]] of that name; there are {named}; or write "
+                    f"site {site!r}: no [[station]] of that name; {meant(site, known)}there are "
+                    f"{named}; or write "
                     "NAME=LAT,LON[,MASK]"
                 )
             places.append(known[site])

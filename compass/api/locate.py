@@ -15,7 +15,7 @@ from compass.clocks import clock_named
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, meant
 from compass.frames import HOUR, SECONDS_PER_DAY
 from compass.quantities import quantity
 from compass.signal.standing import SIDEWAYS, UPWARDS, sights_from, standing_covariance
@@ -308,8 +308,8 @@ def _place(site: Site | str, design: Design) -> Site:
     if site not in known:
         names = ", ".join(known) or "none"
         raise ArgumentError(
-            f"site = {site!r}: is no station of the design, which has {names}; name one, or write "
-            "NAME=LAT,LON in degrees"
+            f"site = {site!r}: is no station of the design, which has {names}; "
+            f"{meant(site, known)}name one, or write NAME=LAT,LON in degrees"
         )
     return known[site]
 
@@ -320,7 +320,8 @@ def _with(names: Sequence[str], design: Design) -> Design:
     unknown = [name for name in names if name not in c.satellite_names]
     if unknown:
         raise ArgumentError(
-            f"satellites = {unknown[0]!r}: is none of the design; it has "
+            f"satellites = {unknown[0]!r}: is none of the design; "
+            f"{meant(unknown[0], c.satellite_names)}it has "
             f"{', '.join(c.satellite_names)}"
         )
     if not names:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from compass.bodies import SOLAR_DAY
 from compass.core.motion import ELLIPSE, SITE, TABLE, WIDTH
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, meant
 from compass.frames import SECONDS_PER_DAY, mci_from_icrf, prime_meridian_angle
 from compass.moons import MoonModel, moon_row
 from compass.orbits.constellation import Constellation
@@ -216,5 +216,6 @@ def find_node(nodes: Sequence[Node], name: str) -> Node:
     for node in nodes:
         if node.name == name:
             return node
-    known = ", ".join(node.name for node in nodes)
-    raise ArgumentError(f"node {name!r}: unknown; there are {known}")
+    known = [node.name for node in nodes]
+    guess = meant(name, known)
+    raise ArgumentError(f"node {name!r}: unknown; {guess}there are {', '.join(known)}")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from compass.contacts.spans import Spans, any_of
 from compass.contacts.windows import Windows
 from compass.core.relay import earliest_arrivals
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, meant
 
 
 @dataclass(frozen=True)
@@ -186,5 +186,6 @@ def latency(graph: Contacts, source: str, target: str) -> Latency:
 
 def _index(graph: Contacts, name: str) -> int:
     if name not in graph.names:
-        raise ArgumentError(f"node {name!r}: unknown; there are {', '.join(graph.names)}")
+        guess = meant(name, graph.names)
+        raise ArgumentError(f"node {name!r}: unknown; {guess}there are {', '.join(graph.names)}")
     return graph.names.index(name)

@@ -17,6 +17,7 @@ from compass.inputs.integrity import integrity_lines
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
 from compass.orbits.constellation import from_pattern
+from compass.orbits.period import repeat_radius
 from compass.sites import Mask, Site
 from compass.units import KM
 
@@ -157,7 +158,7 @@ def _elements(c: Constellation) -> list[str]:
             "",
             "[[constellation.satellite]]",
             f"name = {toml_text(name)}",
-            f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
+            _size(float(c.semi_major_axis[k]), c.each_repeat[k]),
             f"eccentricity = {number(c.eccentricity[k])}",
             f"inclination_deg = {_degrees(c.inclination[k])}",
             f"raan_deg = {_degrees(c.raan[k])}",
@@ -165,6 +166,13 @@ def _elements(c: Constellation) -> list[str]:
             f"mean_anomaly_deg = {_degrees(c.mean_anomaly[k])}",
         ]
     return lines
+
+
+def _size(axis: float, repeat: tuple[int, int] | None) -> str:
+    """How a track closes, if that is declared and says the axis; else the axis."""
+    if repeat is not None and repeat_radius(*repeat) == axis:
+        return f"repeat = {list(repeat)}"
+    return f"semi_major_axis_km = {_kilometres(axis)}"
 
 
 def _mask(mask: Mask) -> list[str]:

@@ -1,6 +1,7 @@
 """The table ``[constellation]``: patterns and elements checked, and turned into orbits."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,7 @@ from compass.frames import Figure
 from compass.inputs.faults import fault
 from compass.inputs.models import ElementsTable, PatternTable, SatelliteTable
 from compass.orbits.anomaly import mean_of_true
-from compass.orbits.constellation import Constellation, from_pattern, keplerian
+from compass.orbits.constellation import Constellation, declared, from_pattern, keplerian
 from compass.orbits.kinds import KIND_NAMES, Parameter, check_counts, kind_of
 from compass.orbits.patterns import laid_out, orbit_radius
 from compass.units import KM
@@ -56,9 +57,9 @@ def _third(written: str | float) -> Fraction | float:
 
 def _of_elements(table: ElementsTable, figure: Figure, name: str, epoch: float) -> Constellation:
     shapes = [_shape(s.model_dump(), figure) for s in table.satellite]
-    axes, eccentricities = np.array(shapes).T
-    return keplerian(
-        axes * KM,
+    axes, eccentricities = np.array([shape[:2] for shape in shapes]).T
+    made = keplerian(
+        axes,
         eccentricities,
         np.radians([s.inclination_deg for s in table.satellite]),
         np.radians([s.raan_deg for s in table.satellite]),
@@ -68,16 +69,23 @@ def _of_elements(table: ElementsTable, figure: Figure, name: str, epoch: float) 
         epoch=epoch,
         satellite_names=[s.name for s in table.satellite],
     )
+    return replace(made, **declared([shape[2] for shape in shapes]))
 
 
-def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:
-    """Semi-major axis (km) and eccentricity of a satellite's table."""
+def _shape(
+    satellite: dict[str, Any], figure: Figure
+) -> tuple[float, float, tuple[int, int] | None]:
+    """Semi-major axis (m) and eccentricity of a satellite's table, and after what it closes."""
+    eccentricity = satellite.get("eccentricity") or 0.0
+    if satellite.get("repeat") is not None:
+        axis, closed = orbit_radius(None, None, None, satellite["repeat"], figure)
+        return axis, eccentricity, closed
     if satellite.get("semi_major_axis_km") is not None:
-        return satellite["semi_major_axis_km"], satellite.get("eccentricity") or 0.0
+        return satellite["semi_major_axis_km"] * KM, eccentricity, None
     surface = figure.equatorial_radius / KM
     low = satellite["periapsis_altitude_km"] + surface
     high = satellite["apoapsis_altitude_km"] + surface
-    return (low + high) / 2, (high - low) / (high + low)
+    return (low + high) / 2 * KM, (high - low) / (high + low), None
 
 
 def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
@@ -147,10 +155,9 @@ def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:
             f"{said}"
         )
     radius, surface = _number(table, "radius_km"), figure.equatorial_radius / KM
-    closed = table.get("repeat")
-    if len(given) == 1 and isinstance(closed, list):
+    if len(given) == 1 and "repeat" in table:
         try:
-            orbit_radius(None, None, None, [n if isinstance(n, int) else 1 for n in closed], figure)
+            _closing_axis(table["repeat"], figure)
         except ArgumentError as error:
             faults.append(f"constellation.{error}")
     if radius is not None and 0 < radius <= surface:
@@ -163,6 +170,21 @@ def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:
             )
         )
     return faults
+
+
+def _closing_axis(repeat: object, figure: Figure) -> float | None:
+    """Semi-major axis of a raw ``repeat``, km; None of what is none (the model reports it).
+
+    Raises
+    ------
+    ArgumentError
+        As `orbit_radius`.
+    """
+    if not isinstance(repeat, list) or len(repeat) != 2:
+        return None
+    if any(type(n) is not int or not 1 <= n <= 1000 for n in repeat):
+        return None
+    return orbit_radius(None, None, None, repeat, figure)[0] / KM
 
 
 def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
@@ -179,22 +201,27 @@ def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
             names.add(name)
         if "mean_anomaly_deg" in satellite and "true_anomaly_deg" in satellite:
             faults.append(f"{field}: has both mean_anomaly_deg and true_anomaly_deg; keep one")
-        by_axis = "semi_major_axis_km" in satellite or "eccentricity" in satellite
+        by_repeat = "repeat" in satellite
+        by_axis = "semi_major_axis_km" in satellite or (
+            "eccentricity" in satellite and not by_repeat
+        )
         by_height = "periapsis_altitude_km" in satellite or "apoapsis_altitude_km" in satellite
-        if by_axis == by_height:
+        if by_axis + by_repeat + by_height != 1 or (by_height and "eccentricity" in satellite):
             faults.append(
-                f"{field}: needs either semi_major_axis_km (and eccentricity) or "
-                "periapsis_altitude_km and apoapsis_altitude_km"
+                f"{field}: needs either semi_major_axis_km (and eccentricity), repeat (and "
+                "eccentricity), or periapsis_altitude_km and apoapsis_altitude_km"
             )
             continue
         keys = (
             ("semi_major_axis_km",)
             if by_axis
+            else ("repeat",)
+            if by_repeat
             else ("periapsis_altitude_km", "apoapsis_altitude_km")
         )
         missing = [key for key in keys if key not in satellite]
         faults += [f"{field}.{key}: missing; needed beside the others" for key in missing]
-        if missing or any(_number(satellite, key) is None for key in keys):
+        if missing or (not by_repeat and any(_number(satellite, key) is None for key in keys)):
             continue
         if by_height:
             low, high = (satellite[key] for key in keys)
@@ -207,12 +234,17 @@ def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
                     )
                 )
             continue
-        axis, e = satellite["semi_major_axis_km"], _number(satellite, "eccentricity") or 0.0
-        if 0 <= e < 1 and 0 < axis * (1 - e) <= surface:
+        e, key = _number(satellite, "eccentricity") or 0.0, keys[0]
+        try:
+            axis = _closing_axis(satellite[key], figure) if by_repeat else satellite[key]
+        except ArgumentError as error:
+            faults.append(f"{field}.{error}")
+            continue
+        if axis is not None and 0 <= e < 1 and 0 < axis * (1 - e) <= surface:
             faults.append(
                 fault(
-                    f"{field}.semi_major_axis_km",
-                    axis,
+                    f"{field}.{key}",
+                    satellite[key],
                     f"periapsis radius {axis * (1 - e):g} km is not above the surface "
                     f"({surface:g} km); raise the axis or lower the eccentricity",
                 )

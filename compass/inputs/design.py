@@ -237,7 +237,7 @@ def _horizon_faults(table: dict[str, Any], field: str) -> list[str]:
         return []  # the model says what is wrong with it
     try:
         azimuths, elevations = np.radians(np.array(pairs, dtype=float).reshape(-1, 2)).T
-        Mask(tuple(azimuths), tuple(elevations))
+        Mask(tuple(azimuths), tuple(elevations)).on_the_ground()
     except (ArgumentError, OverflowError) as error:
         return [f"{field}.horizon_deg: {str(error).removeprefix('mask: ')}"]
     return []

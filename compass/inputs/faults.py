@@ -115,7 +115,7 @@ def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
             "less_than": "must be below",
             "less_than_equal": "must be at most",
         }
-        return fault(path, value, f"{words[kind]} {bound}{hint}")
+        return fault(path, value, f"{words[kind]} {bound:.12g}{hint}")
     for stem, words_for in _KINDS.items():
         if kind.startswith(stem) and (kind.endswith("_type") or kind.endswith("_parsing")):
             return fault(path, value, f"must be {words_for}{hint}")

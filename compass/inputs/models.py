@@ -86,6 +86,11 @@ class SatelliteTable(Table):
     eccentricity: float | None = Field(
         None, ge=0, lt=1, description="eccentricity, 0 up to below 1; 0 if left out"
     )
+    repeat: Annotated[list[Rotations], Field(min_length=2, max_length=2)] | None = Field(
+        None,
+        description="instead of the axis: revolutions and rotations of Mars after which the "
+        "ground track closes",
+    )
     periapsis_altitude_km: Kilometres | None = Field(
         None,
         description="lowest altitude over the equatorial radius, km (with apoapsis_altitude_km)",

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from compass.coverage.region import read_regions
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, meant
 from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.table import Table
 from compass.requirement import ERRORS, LIMITS, PROTECTIONS, ErrorAs, Requirement
@@ -25,7 +25,9 @@ class RequirementTable(Table):
     """What must be so at sites or in regions."""
 
     name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
-    sites: SiteNames | None = Field(None, description="names of [[station]] entries")
+    sites: SiteNames | None = Field(
+        None, description="names of [[station]] entries; a region besides is added to them"
+    )
     region: RegionTexts | None = Field(
         None,
         description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
@@ -170,16 +172,28 @@ def _error_faults(table: dict[str, Any], field: str, raw: dict[str, Any]) -> lis
 
 
 def _site_faults(placed: dict[str, dict[str, Any]], names: list[str]) -> list[str]:
-    """Sites of tables that are no stations of these names: one fault each, wherever it is named."""
+    """Sites of tables that are no stations of these names: one fault each, wherever it is named.
+
+    And sites that a table names twice.
+    """
     unknown: dict[str, list[str]] = {}
+    twice: list[str] = []
     for field, table in placed.items():
         sites = table.get("sites")
-        for name in dict.fromkeys(_texts(sites if isinstance(sites, list) else [])):
+        named = _texts(sites if isinstance(sites, list) else [])
+        for name in dict.fromkeys(named):
             if name not in names:
                 unknown.setdefault(name, []).append(field)
-    problem = f"no such [[station]]; there are {', '.join(names) or _NO_STATION}"
-    return [
-        fault(f"{first}.sites", name, problem + (f"; so in {listed(rest)}" if rest else ""))
+            elif named.count(name) > 1:
+                twice.append(fault(f"{field}.sites", name, "named twice; leave one out"))
+    there = f"there are {', '.join(names) or _NO_STATION}"
+    return twice + [
+        fault(
+            f"{first}.sites",
+            name,
+            f"no such [[station]]; {meant(name, names)}{there}"
+            + (f"; so in {listed(rest)}" if rest else ""),
+        )
         for name, (first, *rest) in unknown.items()
     ]
 
@@ -188,7 +202,10 @@ def _region_faults(placed: dict[str, dict[str, Any]]) -> list[str]:
     faults = []
     for field, table in placed.items():
         region = table.get("region")
-        for text in _texts(region if isinstance(region, list) else [region]):
+        named = _texts(region if isinstance(region, list) else [region])
+        for text in dict.fromkeys(named):
+            if named.count(text) > 1:
+                faults.append(fault(f"{field}.region", text, "given twice; leave one out"))
             try:
                 read_regions(text)
             except ArgumentError as error:

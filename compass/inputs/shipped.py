@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from compass.errors import ArgumentError, near
+from compass.errors import ArgumentError, meant
 from compass.inputs.models import DesignFile
 from compass.inputs.reading import KINDS, named_files, tables
 from compass.inputs.scenario_models import ScenarioFile
@@ -59,7 +59,7 @@ def source(kind: str, name: str | Path | None) -> Path:
         path = folder() / f"{name}.toml"
         if not path.is_file():
             known = names(kind)
-            guess = "".join(f"did you mean {other}? " for other in near(str(name), known))
+            guess = meant(str(name), known)
             raise ArgumentError(
                 f"from = {str(name)!r}: no {kind} comes with compass under this name; {guess}"
                 f"give the path of a .toml file, or one of {', '.join(known)}"

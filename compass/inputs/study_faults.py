@@ -3,7 +3,7 @@
 from math import inf
 from typing import Any
 
-from compass.errors import near
+from compass.errors import meant
 from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault, table_in, tables_in
@@ -167,7 +167,7 @@ def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> lis
         problem = f"there is no [[requirement]] of that number; there are {number}"
         return [fault(f"{path}.figure", name, problem)]
     if name not in MERITS:
-        guess = "".join(f"did you mean {other}? " for other in near(name, MERITS))
+        guess = meant(name, MERITS)
         problem = (
             f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}; and of one "
             "requirement, K in the file, requirement_K_margin_deg, requirement_K_share and "

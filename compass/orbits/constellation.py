@@ -132,7 +132,7 @@ class Constellation:
         both: dict[str, Any] = {
             e: np.concatenate([getattr(self, e), getattr(other, e)]) for e in ELEMENTS
         }
-        both |= _declared([*self.each_repeat, *other.each_repeat])
+        both |= declared([*self.each_repeat, *other.each_repeat])
         return replace(self, name=f"{self.name} + {other.name}", satellite_names=names, **both)
 
     def __repr__(self) -> str:
@@ -212,12 +212,12 @@ class Constellation:
         kept = np.setdiff1d(np.arange(self.size), gone)
         left: dict[str, Any] = {e: getattr(self, e)[kept] for e in ELEMENTS}
         if self.repeats:
-            left |= _declared([self.repeats[k] for k in kept])
+            left |= declared([self.repeats[k] for k in kept])
         return replace(self, satellite_names=tuple(self.satellite_names[k] for k in kept), **left)
 
 
-def _declared(each: Sequence[tuple[int, int] | None]) -> dict[str, Any]:
-    """After what tracks are declared to close: of all where they are alike, else of each."""
+def declared(each: Sequence[tuple[int, int] | None]) -> dict[str, Any]:
+    """Fields `repeat` and `repeats`: of all where tracks close alike, else of each."""
     if len(set(each)) <= 1:
         return {"repeat": next(iter(each), None), "repeats": ()}
     return {"repeat": None, "repeats": tuple(each)}

@@ -192,7 +192,8 @@ def rosette(
 @checked
 def from_elements(
     *,
-    semi_major_axis_km: ArrayLike,
+    semi_major_axis_km: ArrayLike | None = None,
+    repeat: Sequence[int] | None = None,
     eccentricity: ArrayLike = 0.0,
     inclination_deg: ArrayLike,
     raan_deg: ArrayLike = 0.0,
@@ -211,6 +212,8 @@ def from_elements(
     ----------
     semi_major_axis_km, eccentricity, inclination_deg, raan_deg, argument_of_periapsis_deg
         Broadcast to a common shape (n,); kilometres and degrees.
+    repeat
+        Instead of the axis: revolutions and rotations of Mars after which all tracks close.
     mean_anomaly_deg, true_anomaly_deg
         At most one of them; else satellites stand at their periapsis.
     figure
@@ -229,7 +232,14 @@ def from_elements(
     >>> compass.from_elements(semi_major_axis_km=[9000, 12000], inclination_deg=30).size
     2
     """
-    a = np.asarray(semi_major_axis_km, dtype=float) * KM
+    if (semi_major_axis_km is None) == (repeat is None):
+        raise ArgumentError("orbit: needs exactly one of semi_major_axis_km and repeat")
+    closed = None
+    if repeat is None:
+        a = np.asarray(semi_major_axis_km, dtype=float) * KM
+    else:
+        radius, closed = orbit_radius(None, None, None, repeat, figure)
+        a = np.asarray(radius)
     e, i = np.asarray(eccentricity, dtype=float), np.asarray(inclination_deg, dtype=float)
     _check_inclination(i)
     if mean_anomaly_deg is not None and true_anomaly_deg is not None:
@@ -248,6 +258,7 @@ def from_elements(
         epoch=epoch,
         satellite_names=satellite_names,
         gm=gm,
+        repeat=closed,
     )
     surface = figure_of(figure).equatorial_radius
     for k in np.flatnonzero(made.apoapsis_radius > FARTHEST_KM * KM):

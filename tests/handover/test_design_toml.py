@@ -97,6 +97,18 @@ def test_patterns_round_trip(constellation):
     assert_identical(constellation, read_design_text(text).constellation)
 
 
+def test_what_each_satellite_says_of_its_track_is_kept():
+    closed = compass.from_elements(repeat=(3, 2), eccentricity=0.2, inclination_deg=[10, 20])
+    other = compass.from_elements(
+        semi_major_axis_km=9000, inclination_deg=5, satellite_names=["other"], name="other"
+    )
+    text = constellation_toml(closed + other, IAU)
+    read = read_design_text(text).constellation
+    assert read.each_repeat == ((3, 2), (3, 2), None)
+    np.testing.assert_array_equal(read.semi_major_axis, (closed + other).semi_major_axis)
+    assert text.count("repeat = [3, 2]") == 2 and text.count("semi_major_axis_km = 9000") == 1
+
+
 @given(
     st.lists(
         st.tuples(kilometres, st.floats(0, 0.9), inclinations, degrees, degrees, degrees),

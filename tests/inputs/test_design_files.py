@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 import compass
 from compass.bodies import MARS_EQUATORIAL_RADIUS
-from compass.errors import DesignError
+from compass.errors import ArgumentError, DesignError
 from compass.inputs import read_design_text
 from compass.inputs.design import cross_faults
 from compass.inputs.models import DesignFile
 from compass.inputs.reading import MAX_BYTES, parse
 from compass.inputs.scenario import read_scenario
 from compass.inputs.study import read_study
+from compass.orbits.period import repeat_radius
 
 GOOD = """
 name = "Test"
@@ -105,6 +106,22 @@ def test_elements_by_axis_or_by_heights():
     assert other.eccentricity[0] == pytest.approx(0.1)
 
 
+def test_a_satellite_may_say_after_what_its_track_closes():
+    """Any shape of orbit, each satellite for itself; an axis says nothing of it."""
+    text = changed("semi_major_axis_km = 9000", "repeat = [4, 2]\neccentricity = 0.3", SATELLITE)
+    closed = read_design_text(text).constellation
+    assert (closed.repeat, closed.eccentricity[0]) == ((2, 1), 0.3)
+    assert closed.semi_major_axis[0] == repeat_radius(2, 1)
+    same = compass.from_elements(repeat=(4, 2), eccentricity=0.3, inclination_deg=0)
+    assert (same.repeat, same.semi_major_axis[0]) == ((2, 1), repeat_radius(2, 1))
+    with pytest.raises(ArgumentError, match="exactly one of semi_major_axis_km and repeat"):
+        compass.from_elements(inclination_deg=0)
+    assert read_design_text(SATELLITE).constellation.repeat is None
+    another = SATELLITE.split("[[constellation.satellite]]", 1)[1].replace('"A"', '"B"')
+    both = text + "\n[[constellation.satellite]]" + another
+    assert read_design_text(both).constellation.each_repeat == ((2, 1), None)
+
+
 def test_stations_and_horizons():
     text = GOOD + (
         '[[station]]\nname = "A"\nlatitude_deg = 45\nlatitude_kind = "planetographic"\n'
@@ -191,6 +208,10 @@ def test_one_wrong_thing_elsewhere(extra, message):
         ("semi_major_axis_km = 9000", "periapsis_altitude_km = 500", "apoapsis_altitude_km: missing"),
         ("semi_major_axis_km = 9000", "periapsis_altitude_km = 500\napoapsis_altitude_km = 400", "swap them"),
         ("semi_major_axis_km = 9000", 'semi_major_axis_km = "x"', "must be a number"),
+        ("semi_major_axis_km = 9000", "semi_major_axis_km = 9000\nrepeat = [1, 1]", "needs either semi_major_axis_km"),
+        ("semi_major_axis_km = 9000", "repeat = [20, 1]", "satellite[1].repeat = [20, 1]: so many revolutions need"),
+        ("semi_major_axis_km = 9000", "repeat = [2, 1]\neccentricity = 0.8", "satellite[1].repeat = [2, 1]: periapsis radius"),
+        ("semi_major_axis_km = 9000", "repeat = [2]", "satellite[1].repeat"),
         ("[[constellation.satellite]]", "satellite = 3\n[other]", "constellation.satellite = 3: must be a list"),
         ('name = "A"', 'name = ""', "satellite[1].name"),
     ],

@@ -5,6 +5,7 @@ import pytest
 
 from compass.errors import DesignError
 from compass.inputs import read_design_text
+from compass.inputs.requirements import RequirementTable
 
 DESIGN = """
 name = "three"
@@ -74,6 +75,9 @@ def test_tracks_close_only_if_that_is_said():
     ("table", "message"),
     [
         ('sites = ["Jezero"]\nfold = 1', "sites = 'Jezero': no such [[station]]; there are Gale"),
+        ('sites = ["gael"]\nfold = 1', "'gael': no such [[station]]; did you mean Gale? there are"),
+        ('sites = ["Gale", "Gale"]\nfold = 1', "sites = 'Gale': named twice; leave one out"),
+        ('region = ["globe", "globe"]\nfold = 1', "region = 'globe': given twice; leave one out"),
         (
             'region = "polygon:0,0;10,10;0,10;10,0"\nfold = 1',
             "requirement[1].region = polygon: the sides after corners 1 and 3 cross or touch",
@@ -99,6 +103,55 @@ def test_tracks_close_only_if_that_is_said():
 )
 def test_faults_name_the_field_and_the_remedy(table, message):
     assert message in faults(f"[[requirement]]\n{table}\n")
+
+
+#: What no key takes, or only some: of other kinds, endless, next to nothing, huge.
+WRONG = (
+    "-3", "0", "2.5", "1e400", "nan", "-inf", "true", '""', '"x"', "[]", '["x"]', "[1]", "{ a = 1 }",
+    "2020-01-01", "99999999999999999999", "1e-320",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("key", RequirementTable.model_fields)
+def test_any_key_is_read_or_refused_by_its_name(key):
+    """Whatever it holds; given twice it is refused by name too, and nothing else is said of it."""
+    other = "" if key == "fold" else "fold = 2\n"
+    for value in WRONG:
+        try:
+            read = design(f"[[requirement]]\n{other}{key} = {value}\n")
+        except DesignError as error:
+            (said,) = error.faults
+            assert f": requirement[1].{key}" in said and said.count(":") >= 2
+            shown = value.replace('"', "'").replace("1e400", "inf").strip("[]")
+            assert shown in said or key == "region"
+            assert "must be at least 1.0" not in said and "00.0" not in said
+        else:
+            assert read.requirements[0].claim
+    with pytest.raises(DesignError, match=f"not valid TOML: {key} is given twice"):
+        design(f"[[requirement]]\n{other}{key} = 1\n{key} = 1\n")
+
+
+@pytest.mark.parametrize(
+    ("horizon", "message"),
+    [
+        ("[[0, 12], [90, 112.0]]", "elevations [12.0, 112.0] deg; allowed 0 up to below 90"),
+        ("[[0, -1]]", "elevations [-1.0] deg; allowed 0 up to below 90"),
+        ("[[0, 12], [0.1, 3], [0.1, 4]]", "azimuths [0.0, 0.1, 0.1] deg; they must increase"),
+    ],
+)
+def test_a_horizon_that_is_none_is_told_as_it_was_written(horizon, message):
+    text = DESIGN.format(more="", orbit="radius_km = 20000")
+    with pytest.raises(DesignError) as caught:
+        read_design_text(text.replace("[[0, 0], [180, 20]]", horizon))
+    (said,) = caught.value.faults
+    assert said.startswith("design: station[1].horizon_deg: ") and message in said
+
+
+def test_sites_and_regions_beside_them_all_count():
+    (one,) = design(
+        '[[requirement]]\nsites = ["Gale"]\nregion = ["lat:0:9", "lat:50:60"]\nfold = 1\n'
+    ).requirements
+    assert one.where == "Gale, latitudes 0 to 9 deg, latitudes 50 to 60 deg"
 
 
 def test_an_unknown_site_is_one_fault_wherever_it_is_named():
