@@ -9,7 +9,7 @@ import numpy as np
 from compass.arguments import checked
 from compass.errors import ArgumentError
 from compass.sites import Site
-from compass.words import counted
+from compass.words import counted, latitude_words
 
 #: What a requirement may limit from above: dilutions of precision, errors of a fix in metres, and
 #: protection levels, which are sampled.
@@ -212,7 +212,7 @@ def _area_words(area: str) -> str:
     """A region as a reader says it; corners of a polygon as they were given."""
     kind, _, given = area.partition(":")
     if kind == "lat":
-        return f"latitudes {' to '.join(given.split(':'))} deg"
+        return " to ".join(latitude_words(float(bound), "g") for bound in given.split(":"))
     return "all of Mars" if area == "globe" else area
 
 

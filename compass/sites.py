@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import degrees
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,7 @@ from compass.frames import (
     east_north_up,
     planetographic_latitude,
 )
+from compass.words import place_words
 
 
 def _degrees(radians: ArrayLike) -> list[float]:
@@ -187,11 +189,8 @@ class Site:
             self.mask.on_the_ground()
 
     def __repr__(self) -> str:
-        latitude, longitude = np.degrees([self.latitude, self.longitude])
-        return (
-            f"Site {self.name}: latitude {latitude:.6g} deg, longitude {longitude:.6g} deg, height "
-            f"{self.height / 1e3:g} km, {self.figure.words}"
-        )
+        place = place_words(degrees(self.latitude), degrees(self.longitude), ".6g")
+        return f"Site {self.name}: {place}, height {self.height / 1e3:g} km, {self.figure.words}"
 
     @classmethod
     @checked

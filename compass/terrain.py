@@ -1,6 +1,7 @@
 """The horizon that terrain draws around a place."""
 
 from dataclasses import dataclass, replace
+from math import degrees
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from compass.errors import ArgumentError, whole_number
 from compass.frames import Figure, direction, planetographic_latitude
 from compass.sites import Mask, Site
+from compass.words import latitude_words, longitude_words, place_words
 
 #: Nodes of a grid that are turned into the place's frame at once: 24 bytes each.
 PATCH = 2_000_000
@@ -127,9 +129,10 @@ def ground(site: Site, terrain: Terrain) -> float:
         for end in (np.nanmin, np.nanmax)
     )
     raise ArgumentError(
-        f"{terrain.label}: holds no heights around {site.name}, latitude "
-        f"{np.degrees(site.latitude):g}, longitude {np.degrees(site.longitude):g} deg, but some "
-        f"between latitudes {south:.4g} and {north:.4g}, longitudes {west:.4g} and {east:.4g}; "
+        f"{terrain.label}: holds no heights around {site.name}, "
+        f"{place_words(degrees(site.latitude), degrees(site.longitude), 'g')}, but some "
+        f"between {latitude_words(south)} and {latitude_words(north)}, "
+        f"{longitude_words(west)} and {longitude_words(east)}; "
         "give a grid that does"
     )
 

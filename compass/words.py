@@ -1,6 +1,6 @@
 """Words with numbers in sentences."""
 
-from math import floor
+from math import floor, remainder
 from numbers import Integral
 
 
@@ -23,6 +23,26 @@ def days_words(days: float) -> str:
         minutes = floor(1440 * days)
         return counted(minutes, "minute") if minutes else "less than a minute"
     return counted(floor(days) if days >= 10 else floor(100 * days) / 100, "day")
+
+
+def latitude_words(degrees: float, form: str = ".2f") -> str:
+    """A latitude as people read it, north or south; files and options have it signed."""
+    said = format(abs(degrees), form)
+    if float(said) == 0.0:
+        return "the equator"
+    return f"{said}° {'N' if degrees > 0 else 'S'}"
+
+
+def longitude_words(degrees: float, form: str = ".2f") -> str:
+    """A longitude as people read it, east or west by no more than half a turn."""
+    turned = remainder(degrees, 360.0)
+    said = format(abs(turned), form)
+    return f"{said}° {'E' if turned >= 0.0 or float(said) in (0.0, 180.0) else 'W'}"
+
+
+def place_words(latitude_deg: float, longitude_deg: float, form: str = ".2f") -> str:
+    """A place as people read it: ``41.83° S, 10.67° E``."""
+    return f"{latitude_words(latitude_deg, form)}, {longitude_words(longitude_deg, form)}"
 
 
 def capital(words: str) -> str:

@@ -201,7 +201,7 @@ def test_things_say_in_a_line_what_they_are(designs):
         f"Design Mine: {words}; 4 wanted in view above 5 to 12 deg, two-body motion, IAU 2015 "
         "sphere, 1 station"
     )
-    assert repr(gale).startswith("Site Gale: latitude -4.6 deg, longitude 137.4 deg, height 0 km")
+    assert repr(gale).startswith("Site Gale: 4.6° S, 137.4° E, height 0 km")
     for read, name in ((compass.read_scenario, "landing"), (compass.read_study, "study-small")):
         line = repr(read(designs / f"{name}.toml"))
         assert "\n" not in line and "array" not in line and len(line) < 200

@@ -2,7 +2,7 @@
 
 import pytest
 
-from compass.words import capital, counted, days_words
+from compass.words import capital, counted, days_words, latitude_words, longitude_words, place_words
 
 
 @pytest.mark.parametrize(
@@ -33,3 +33,34 @@ def test_a_sentence_begins_with_a_capital_and_keeps_its_names():
     assert [capital(words) for words in ("", "a DSAC in Gale", "PDOP")] == [
         "", "A DSAC in Gale", "PDOP",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("degrees", "said"),
+    [
+        (41.834, "41.83° N"),
+        (-90.0, "90.00° S"),
+        (5.7e-14, "the equator"),
+        (-0.004, "the equator"),
+        (-0.2, "0.20° S"),
+    ],
+)
+def test_latitudes_are_north_or_south(degrees, said):
+    assert latitude_words(degrees) == said
+
+
+@pytest.mark.parametrize(
+    ("degrees", "said"),
+    [
+        (10.67, "10.67° E"),
+        (-10.67, "10.67° W"),
+        (349.33, "10.67° W"),
+        (-0.001, "0.00° E"),
+        (180.0, "180.00° E"),
+        (-180.0, "180.00° E"),
+        (540.0, "180.00° E"),
+    ],
+)
+def test_longitudes_are_east_or_west(degrees, said):
+    assert longitude_words(degrees) == said
+    assert place_words(-1.5, degrees, ".1f").startswith("1.5° S, ")

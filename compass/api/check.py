@@ -22,7 +22,7 @@ from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 from compass.requirement import Requirement
-from compass.words import counted, ordinal
+from compass.words import counted, latitude_words, longitude_words, ordinal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,12 +145,14 @@ def _place(verdict: Answer) -> str:
     """Where it is worst; of a site's latitude elsewhere on it, whose it is."""
     worst, whose = verdict.worst, ""
     assert worst is not None
-    longitude = "" if worst.longitude is None else f", longitude {degrees(worst.longitude):z.4f}"
     if (site := verdict.site) is not None:
         turn = 0.0 if worst.longitude is None else worst.longitude - site.longitude
         there = abs((turn + pi) % (2 * pi) - pi) < NEAR
-        whose = f"{site.name}, " if there else f"{site.name}'s "
-    return f"{whose}latitude {degrees(worst.latitude):z.4f}{longitude} deg"
+        whose = f"{site.name}, " if there else f"{site.name}'s latitude, "
+    latitude = latitude_words(degrees(worst.latitude), ".4f")
+    if worst.longitude is None:
+        return f"{whose}{latitude}"
+    return f"{whose}{latitude}, {longitude_words(degrees(worst.longitude), '.4f')}"
 
 
 def _value(verdict: Answer) -> str:

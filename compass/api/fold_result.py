@@ -14,7 +14,7 @@ from compass.document.plain import plain
 from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.quantities import quantity
 from compass.sites import Site
-from compass.words import counted
+from compass.words import counted, place_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -183,9 +183,9 @@ class FoldResult(FoldClaim):
             names = ", ".join(w.satellites) or "none"
             return [
                 Sentence(
-                    f"witness: {w.fold} in view ({names}) at t = {w.time:.6f} s, latitude "
-                    f"{degrees(w.latitude):z.6f}, longitude {degrees(w.longitude):z.6f} deg; the "
-                    f"next satellite is {degrees(w.shortfall):.3g} deg below the mask"
+                    f"witness: {w.fold} in view ({names}) at t = {w.time:.6f} s, "
+                    f"{place_words(degrees(w.latitude), degrees(w.longitude), '.6f')}; the next "
+                    f"satellite is {degrees(w.shortfall):.3g} deg below the mask"
                 )
             ]
         if self.outcome is Outcome.PROVEN:

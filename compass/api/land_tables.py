@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from compass.document.blocks import Table
 from compass.document.numbers import significant
 from compass.entry.assess import Assessment
-from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, loads
 from compass.units import KM
+from compass.words import place_words
 
 
 def entry_tables(assessment: Assessment) -> tuple[Table, ...]:
@@ -98,14 +98,13 @@ def event_table(flight: Trajectory) -> Table:
             event.time,
             (event.state[0] - flight.model.planet_radius) / KM,
             float(event.state[3]),
-            float(np.degrees(event.state[2])),
-            float(longitude_degrees(event.state[1])),
+            place_words(float(np.degrees(event.state[2])), float(np.degrees(event.state[1]))),
         )
         for event in flight.events
     ]
     return Table(
         "Events",
-        ("event", "time, s", "altitude, km", "speed, m/s", "latitude, deg", "longitude, deg"),
+        ("event", "time, s", "altitude, km", "speed, m/s", "place"),
         tuple(rows),
     )
 

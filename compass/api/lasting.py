@@ -11,7 +11,7 @@ from compass.document import Page, Proven, Sentence, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.quantities import quantity
-from compass.words import counted
+from compass.words import counted, place_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,8 +144,8 @@ class LastingResult(FoldClaim):
         w = lasting.witness
         names = ", ".join(w.satellites) or "none"
         return (
-            f"lost on day {w.time / 86400:.6f}: {w.fold} in view ({names}) at latitude "
-            f"{degrees(w.latitude):.4f}, longitude {degrees(w.longitude):.4f} deg; proven up to "
+            f"lost on day {w.time / 86400:.6f}: {w.fold} in view ({names}) at "
+            f"{place_words(degrees(w.latitude), degrees(w.longitude), '.4f')}; proven up to "
             f"day {lasting.proven_until / 86400:.6f}"
         )
 

@@ -5,6 +5,7 @@ from math import degrees, inf
 from typing import TYPE_CHECKING
 
 from compass.coverage.areas import PERCENTS, AreaFigures
+from compass.coverage.certified_percentile import GREATEST
 from compass.document import Bracket, Sentence, Table, Value
 from compass.document.blocks import Block
 from compass.quantities import quantity
@@ -91,6 +92,11 @@ def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Datas
 
 
 def _between(name: str, bounds: tuple[float, float], most: float = 1.0) -> Value:
-    """A figure between its bounds; not known where those are 0 and the `most` there is."""
+    """A figure between its bounds; not known where those are 0 and the `most` there is.
+
+    Infinite where none is looked for beyond the lower.
+    """
+    if bounds[0] >= GREATEST:
+        return Value(quantity(name), inf)
     known = bounds != (0.0, most)
     return Value(quantity(name), *((bounds[1], Bracket(*bounds)) if known else ("not known",)))

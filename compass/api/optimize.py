@@ -23,6 +23,7 @@ from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario, provenance
 from compass.units import KM
+from compass.words import place_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -182,8 +183,13 @@ def search_scenario(
 
 def _beacon_table(scenario: Scenario, optimum: Optimum) -> Table:
     assert scenario.optimize is not None
+    if scenario.optimize.what == "ground":
+        places = tuple(
+            (k + 1, place_words(latitude, longitude))
+            for k, (latitude, longitude) in enumerate(np.degrees(optimum.parameters).tolist())
+        )
+        return Table("Best beacons", ("beacon", "place"), places)
     header = {
-        "ground": ("latitude, deg", "east longitude, deg"),
         "orbiters": ("node, deg", "inclination, deg", "argument of latitude, deg"),
         "directions": ("x", "y", "z"),
     }[scenario.optimize.what]
@@ -203,7 +209,7 @@ def _facts(scenario: Scenario, flight: Trajectory, optimum: Optimum) -> dict[str
     """Return the numbers as one JSON object, names with their units."""
     assert scenario.optimize is not None
     what = scenario.optimize.what
-    table = _beacon_table(scenario, optimum)
+    values = optimum.parameters if what == "directions" else np.degrees(optimum.parameters)
     keys = {
         "ground": ("latitude_deg", "longitude_deg"),
         "orbiters": ("raan_deg", "inclination_deg", "latitude_argument_deg"),
@@ -214,7 +220,7 @@ def _facts(scenario: Scenario, flight: Trajectory, optimum: Optimum) -> dict[str
         "what": what,
         "objective": optimum.objective,
         "value": optimum.value,
-        "beacons": [dict(zip(keys, row[1:], strict=True)) for row in table.rows],
+        "beacons": [dict(zip(keys, row, strict=True)) for row in values.tolist()],
         "seconds": optimum.seconds,
         "starts": [
             {"value": s.value, "evaluations": s.evaluations, "history": s.history}

@@ -28,7 +28,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.kept import kept
 from compass.orbits.trajectory import Trajectory
 from compass.orbits.trimming import beat_of
-from compass.words import capital, days_words
+from compass.words import capital, days_words, place_words
 
 #: A Mars year, days: how far a page looks ahead, and the look before that.
 HORIZON, GLANCE = 687.0, 40.0
@@ -481,7 +481,5 @@ def _place(lasting: Lasting) -> str:
     w = lasting.witness
     if w is None:
         return ""
-    return (
-        f"{w.fold} in view at latitude {np.degrees(w.latitude):z.2f}, "
-        f"longitude {np.degrees(w.longitude):z.2f} deg"
-    )
+    place = place_words(float(np.degrees(w.latitude)), float(np.degrees(w.longitude)), ".2f")
+    return f"{w.fold} in view at {place}"

@@ -16,7 +16,7 @@ from compass.document import Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.frames import SECONDS_PER_DAY
 from compass.quantities import quantity
-from compass.words import counted
+from compass.words import counted, latitude_words
 
 #: Figures of a requirement in the table.
 _FIGURES = ("days_proven", "first_loss_days", "room_deg", "slot_sideways_deg")
@@ -141,5 +141,5 @@ def _geometry(promise: Promise) -> str:
     if worst is None:
         return said
     return (
-        f"{said}; {worst.value:.4g} on day {end:.6g} at latitude {degrees(worst.latitude):.4g} deg"
+        f"{said}; {worst.value:.4g} on day {end:.6g} at {latitude_words(degrees(worst.latitude))}"
     )

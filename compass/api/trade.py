@@ -366,7 +366,7 @@ def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:
 def trade(
     study: Study | str | Path,
     *,
-    output: str | Path | None = None,
+    store: str | Path | None = None,
     budget_s: float | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -384,7 +384,7 @@ def trade(
     ----------
     study
         A study, or the path of its file.
-    output
+    store
         Folder of the store; by default ``trades/`` and the name of the file.
     budget_s
         Seconds after which the run ends, wherever it is; the next goes on from what is stored.
@@ -411,7 +411,7 @@ def trade(
     >>> import tempfile
     >>> import compass
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = compass.trade("designs/study-small.toml", output=folder, workers=1)
+    ...     found = compass.trade("designs/study-small.toml", store=folder, workers=1)
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
@@ -422,26 +422,26 @@ def trade(
     check_space(read)
     if read.entry is not None:
         check_lander(read.entry.scenario, read.entry.samples, read.seed)
-    folder = Path(output) if output is not None else _folder(study)
+    folder = Path(store) if store is not None else _folder(study)
 
     def bars(title: str, total: int, already: int) -> tqdm:
         return bar(progress, title, total=total, initial=already, smoothing=0.05)
 
-    with Store(folder, read) as store:
-        if store.damaged:
+    with Store(folder, read) as kept:
+        if kept.damaged:
             notice(
-                f"{store.path}: {counted(len(store.damaged), 'damaged line')} ignored "
-                f"({store.damaged[0]}); candidates that no other line has are computed again"
+                f"{kept.path}: {counted(len(kept.damaged), 'damaged line')} ignored "
+                f"({kept.damaged[0]}); candidates that no other line has are computed again"
             )
         for suffix in (".nc", ".csv"):
             check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
             left = None if budget_s is None else max(budget_s - (monotonic() - began), 0.0)
-            summary = run_trade(read, store, team, bars, left)
+            summary = run_trade(read, kept, team, bars, left)
         finally:
             team.close()
-        results = results_of(read, store.batches, store.path)
+        results = results_of(read, kept.batches, kept.path)
         write_results(results, folder / "trade.nc")
     return TradeResult(read, folder, summary, results, tuple(errors_by_clock(read, results)))
 
@@ -449,9 +449,7 @@ def trade(
 def _folder(study: Study | str | Path) -> Path:
     """Where a study's store is by default."""
     if isinstance(study, Study):
-        raise ArgumentError(
-            "output: needed for a study that is not read from a file; name a folder"
-        )
+        raise ArgumentError("store: needed for a study that is not read from a file; name a folder")
     return Path("trades") / Path(study).stem
 
 

@@ -191,7 +191,7 @@ COMMANDS = {
         """Analytic geometry of a DESIGN: caps, gaps, totals; published against exact.""",
     ),
     "trade": (
-        f"study output budget_s workers {CLUSTER}",
+        f"study store budget_s workers {CLUSTER}",
         """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
 
         Every finished batch is stored at once; the same command resumes a run that was killed.

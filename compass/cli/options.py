@@ -164,7 +164,7 @@ OPTIONS: dict[str, Told] = {
         "A station beside the designs': planetocentric latitude, east longitude, mask; degrees.",
     ),
     "step_days": real("Between the moments that are listed."),
-    "store": path("Folder of a study's store; by default trades/NAME-OF-THE-FILE."),
+    "store": path("Folder of the study's store; by default trades/NAME-OF-THE-FILE."),
     "strict": flag("Exit with 1 if a filter is inconsistent."),
     "terrain": source("GeoTIFF or netCDF grid of heights.", required=True),
     "time_series": flag(
@@ -292,7 +292,6 @@ OPTIONS: dict[str, Told] = {
     "trade.budget_s": real(
         "Seconds after which the run ends; what the default leaves of them brings bounds nearer."
     ),
-    "trade.output": path("Folder of the store; by default trades/NAME-OF-THE-FILE."),
     "trade.workers": whole("Processes on this machine; by default one a core."),
     "view.output": path("Page to write; by default views/NAME-OF-THE-FILE.html."),
     "warm.workers": whole("Commands run at a time; else one a core."),

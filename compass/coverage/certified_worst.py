@@ -4,6 +4,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from math import degrees
 from time import monotonic
 from typing import Unpack
 
@@ -20,7 +21,7 @@ from compass.errors import ArgumentError
 from compass.frames import planetocentric_latitude
 from compass.orbits import Constellation
 from compass.sites import Site
-from compass.words import counted
+from compass.words import counted, place_words
 
 #: A dilution above this is called unbounded: near a place where lines of sight lie on a cone it
 #: takes every value, and rounding hides more than this.
@@ -76,10 +77,8 @@ class CertifiedWorst:
         if self.witness is None:
             return f"not known: {ended(self.stopped)}"
         w = self.witness
-        where = (
-            f"latitude {np.degrees(w.latitude):z.3f} deg, longitude {np.degrees(w.longitude):z.3f} "
-            f"deg, {w.time:.3f} s after the epoch"
-        )
+        place = place_words(degrees(w.latitude), degrees(w.longitude), ".3f")
+        where = f"{place}, {w.time:.3f} s after the epoch"
         if np.isinf(w.value):
             return f"infinite: {counted(len(w.satellites), 'satellite')} in view at {where}"
         if self.unbounded:

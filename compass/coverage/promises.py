@@ -17,6 +17,7 @@ from compass.coverage.verdict import EvidenceKind
 from compass.design import Design
 from compass.orbits.trajectory import Trajectory
 from compass.requirement import Requirement
+from compass.words import latitude_words
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class Promise:
             return ""
         if (site := self.geometry.verdict.site) is not None:
             return site.name
-        return f"latitude {np.degrees(worst.latitude):z.2f} deg"
+        return latitude_words(float(np.degrees(worst.latitude)), ".2f")
 
 
 def promises_of(

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from compass.coverage.polygon import convex_parts
 from compass.errors import ArgumentError
 from compass.frames import direction, latitude_longitude
+from compass.words import latitude_words
 
 _FORMS = (
     "write globe, lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... of three or more corners, in degrees"
@@ -113,7 +114,8 @@ def latitude_band(south: float, north: float) -> Region:
     if north < np.pi / 2:
         rims.append((-1.0, -np.sin(north)))
     return Region(
-        f"latitudes {np.degrees(south):g} to {np.degrees(north):g} deg",
+        f"{latitude_words(float(np.degrees(south)), 'g')} to "
+        f"{latitude_words(float(np.degrees(north)), 'g')}",
         np.array([[0.0, 0.0, sign] for sign, _ in rims]).reshape(-1, 3),
         np.array([floor for _, floor in rims]),
     )

@@ -4,6 +4,7 @@ from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, inf
+from re import split
 from typing import Any
 
 from compass.document.numbers import Value, is_number, number_of
@@ -17,6 +18,9 @@ MOST = 0.6
 
 #: Letters of a picture are never shown smaller, pixels of a screen.
 SMALLEST = 10.0
+
+#: Letters up to which is said in one how sure an answer is; else what that stands on is folded.
+BRIEF = 32
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,14 @@ class Answer:
         """How well the answer is known."""
         known = self.answer.evidence if isinstance(self.answer, Value) else None
         return self.evidence or ("" if known is None else str(known))
+
+    @property
+    def folded(self) -> tuple[str, str]:
+        """How well it is known in a few words, and what that stands on if it takes more."""
+        if len(self.sure) <= BRIEF:
+            return self.sure, ""
+        few, *rest = split(r"[,;:] ", self.sure, maxsplit=1)
+        return few, "".join(rest)
 
     @property
     def written(self) -> str:

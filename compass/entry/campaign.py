@@ -28,6 +28,7 @@ from compass.entry.trajectory import watched_level
 from compass.entry.views import along_cross_down, cartesian_of
 from compass.errors import ArgumentError
 from compass.frames import direction, latitude_longitude
+from compass.words import place_words
 
 Array = NDArray[np.float64]
 
@@ -393,7 +394,7 @@ def _check_flights(
         else f"has not come by {times[-1]:g} s to"
     )
     raise ArgumentError(
-        f"entry at latitude {lat:z.2f}, longitude {lon:z.2f} deg, azimuth {azimuth:.2f} deg: "
+        f"entry at {place_words(lat, lon, '.2f')}, azimuth {azimuth:.2f} deg: "
         f"{what} deployment ({deployment}); choose a deployment that every entry reaches, or "
         "change entry.duration_s"
     )

@@ -22,9 +22,9 @@ from compass.core.entry.dop853 import (
 from compass.core.entry.rates import through_air
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger, check_start
-from compass.entry.state import longitude_degrees
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
+from compass.words import place_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -230,11 +230,8 @@ def watched_level(model: EntryModel, trigger: Trigger) -> tuple[int, float]:
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
-    lat, lon = np.degrees(state[2]), longitude_degrees(state[1])
-    return (
-        f"the flight {reason} at {time:.3f} s, latitude {lat:z.4f} deg, longitude {lon:z.4f} deg, "
-        f"speed {state[3]:.1f} m/s"
-    )
+    place = place_words(float(np.degrees(state[2])), float(np.degrees(state[1])), ".4f")
+    return f"the flight {reason} at {time:.3f} s, {place}, speed {state[3]:.1f} m/s"
 
 
 @dataclass(frozen=True)

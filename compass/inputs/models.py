@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import Field, create_model
+from pydantic import Field, WithJsonSchema, create_model
 
 from compass.allowed import LONGEST_DAYS
 from compass.inputs.integrity import IntegrityTable
@@ -18,6 +18,13 @@ from compass.orbits.patterns import FARTHEST_KM
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+#: Without a zone, for it is TDB; the format "date-time" of JSON Schema asks for one.
+Epoch = Annotated[
+    datetime,
+    WithJsonSchema(
+        {"type": "string", "pattern": r"^\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(\.\d+)?$"}
+    ),
+]
 Rotations = Annotated[int, Field(ge=1, le=1000)]
 Kilometres = Annotated[float, Field(gt=0, le=FARTHEST_KM)]
 
@@ -279,9 +286,7 @@ class DesignFile(Table):
     figure: Literal["iau-sphere", "iau-ellipsoid", "kelly2018-sphere"] = Field(
         "iau-sphere", description="reference figure of Mars"
     )
-    epoch: datetime | None = Field(
-        None, description="epoch of the elements, TDB; J2000 if left out"
-    )
+    epoch: Epoch | None = Field(None, description="epoch of the elements, TDB; J2000 if left out")
     constellation: AnyPatternTable = Field(description="the orbits: a table [constellation]")
     motion: MotionTable = Field(
         default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"

@@ -3,7 +3,7 @@
 from compass.api.access_result import AccessResult
 from compass.document.blocks import Section, arranged
 from compass.document.numbers import significant
-from compass.pictures.access import link_budget, served, timeline
+from compass.pictures.access import in_sight, link_budget, served, timeline
 
 _KINDS = ("station", "moon", "earth")
 
@@ -14,7 +14,7 @@ def access_section(result: AccessResult) -> Section:
     pictures = [
         timeline(survey, node.name)
         for node in survey.nodes
-        if node.kind in _KINDS and survey.of(node.name)
+        if node.kind in _KINDS and in_sight(survey, node.name)
     ]
     pictures += [
         link_budget(survey, radio) for radio in result.design.radios if served(survey, radio)

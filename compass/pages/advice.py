@@ -60,10 +60,12 @@ def accurate(results: DesignResults) -> str:
         if isinstance(known, Between):
             value = Value(value.quantity, known.high, Proven())  # rounded to its own side
         if value.value is not None and np.isfinite(value.value):
-            chance = "" if isinstance(known, Bracket) else f" ({known})"
+            proven = isinstance(known, Bracket)
+            chance = "" if proven else f" ({known})"
             return (
-                f"GDOP is below {value} in {share} of area and time{mapped.users}{chance}: a fix, "
-                "place and time, errs less than so many times the error of a range."
+                f"GDOP is {'proven ' if proven else ''}below {value} in {share} of area and time"
+                f"{mapped.users}{chance}: a fix, place and time, errs less than so many times the "
+                "error of a range."
             )
     if numbers["gdop"].get("p50_bracket", (0.0,))[0] >= GREATEST:
         return f"In more than half of area and time{mapped.users} ranges of one moment give no fix."
@@ -118,7 +120,7 @@ def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> str:
     lasts = "" if keeping or outlook is None else lasting_sentence(results.design, outlook)
     fix = accurate(results)
     if results.checked is not None:
-        fix = fix.replace("GDOP is below", "Over all of Mars GDOP is below")
+        fix = fix.replace("GDOP is", "Over all of Mars GDOP is")
         return _told(_of_requirements(results.checked, keeping), lasts, fix)
     when = result.scope.split(",")[0]
     words = {

@@ -22,7 +22,7 @@ from compass.pages.lasting import lasting_answers
 from compass.quantities import quantity
 from compass.signal.budget import basis
 from compass.study.choice import notation
-from compass.words import counted
+from compass.words import counted, place_words
 
 #: Satellites that ranges of one moment take for a fix, and who fixes with fewer.
 ENOUGH, LOCATE = 4, "compass locate, which gathers them over hours"
@@ -114,8 +114,7 @@ def tightest(results: DesignResults) -> list[Answer]:
     if not place:
         return []
     said = (
-        f"{latitude_words(place['latitude_deg'])}, "
-        f"{significant(place['longitude_deg'] % 360, 4)}° E, "
+        f"{place_words(place['latitude_deg'], place['longitude_deg'])}, "
         f"{moment_words(place['time_s'])} after the epoch"
     )
     alike = "by symmetry one of several" if results.design.constellation.pattern else ""
@@ -128,14 +127,6 @@ def moment_words(seconds: float) -> str:
         if abs(seconds) >= size:
             return f"{significant(seconds / size, 3)} {unit}"
     return f"{significant(seconds, 3)} s"
-
-
-def latitude_words(latitude_deg: float) -> str:
-    """Write a latitude north or south."""
-    if abs(latitude_deg) < 0.005:
-        return "the equator"
-    side = "N" if latitude_deg >= 0 else "S"
-    return f"{significant(abs(latitude_deg), 3)}° {side}"
 
 
 def geometry(results: DesignResults) -> list[Answer]:
@@ -231,13 +222,14 @@ def stations(results: DesignResults) -> list[Answer]:
         return []
     worst = min(areas, key=lambda area: -np.inf if area.fold.margin is None else area.fold.margin)
     verdict, margin = worst.fold, worst.fold.margin
-    spare = "" if margin is None else f", {_spare(margin)}"
+    said = [] if verdict.met is not None and margin is not None else [verdict.word]
+    said += [] if margin is None else [_spare(margin)]
     return [
         Answer(
             f"Worst of {len(areas)} stations: {worst.name}"
             if len(areas) > 1
             else f"Station {worst.name}",
-            f"{results.design.fold} in view always: {verdict.word}{spare}",
+            f"{results.design.fold} in view always: {', '.join(said)}",
             verdict.met,
             ", ".join(words for words in (verdict.sure, verdict.reason, verdict.scope) if words),
         )

@@ -15,6 +15,7 @@ from compass.pictures.style import (
     MARS,
     look,
     new_figure,
+    on_mars,
     picture,
     whole_numbers,
 )
@@ -193,12 +194,12 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
                 lw=1.8,
             )
         axes.set(
-            xlabel="latitude, degrees north",
             ylabel="share of longitude and time, %",
             xlim=(-90, 90),
             xticks=range(-90, 91, 30),
             title="Satellites in view by latitude",
         )
+        on_mars(axes.xaxis, "latitude")
         axes.grid(True)
         if drawn:  # none if no cell of the map ever sees a satellite
             axes.legend(

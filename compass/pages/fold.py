@@ -1,6 +1,7 @@
 """Report section on continuous coverage: worst moment, fold over time, margin by inclination."""
 
 from collections.abc import Sequence
+from math import degrees
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ from compass.pictures.style import (
     picture,
     whole_numbers,
 )
-from compass.words import counted
+from compass.words import counted, place_words
 
 #: Masks below it are not drawn over inclination, degrees.
 LOWEST = -20.0
@@ -64,9 +65,9 @@ def fold_section(
     )
     if witness:
         text += (
-            f" Counter-example: at t = {witness.time:.3f} s, latitude "
-            f"{np.degrees(witness.latitude):z.4f} deg, longitude "
-            f"{np.degrees(witness.longitude):z.4f} deg, {witness.fold} in view."
+            f" Counter-example: at t = {witness.time:.3f} s, "
+            f"{place_words(degrees(witness.latitude), degrees(witness.longitude), '.4f')}, "
+            f"{witness.fold} in view."
         )
     if not design.figure.is_sphere:
         text += (
@@ -151,7 +152,7 @@ def _arrangement(
         "colours show the fold on a 1-degree grid, for the eye only.",
         wide=True,
         alt=f"Map of Mars: {count.min()} to {count.max()} caps over each place; the tightest is at "
-        f"latitude {float(at_lat):z.1f}, longitude {float(at_lon):z.1f} deg.",
+        f"{place_words(float(at_lat), float(at_lon), '.1f')}.",
     )
 
 

@@ -51,6 +51,9 @@ if TYPE_CHECKING:
 #: Rows of a table of the best.
 BEST = 10
 
+#: Candidates of the first front in its table.
+SHOWN = 40
+
 
 @dataclass(frozen=True)
 class TradeReport:
@@ -198,8 +201,9 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
     """Show the first front, two objectives at a time, and its candidates in a table."""
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
+    cut = f", first {SHOWN} of {order.size}" if order.size > SHOWN else ""
     table = _candidate_table(
-        "The first Pareto front, first 40", study, front.isel(candidate=order[:40])
+        f"The first Pareto front{cut}", study, front.isel(candidate=order[:SHOWN])
     )
     text = (
         "None is better than one of the first front in an objective and as good in all others; "

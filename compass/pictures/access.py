@@ -45,6 +45,12 @@ def timeline(survey: Survey, name: str) -> Picture:
     )
 
 
+def in_sight(survey: Survey, name: str) -> bool:
+    """Whether a node sees any satellite in what its timeline shows."""
+    end = SHOWN_SOLS * SOLAR_DAY.value
+    return any(bool(np.any(w.spans[:, 0] < end)) for w in survey.of(name))
+
+
 def _shown(sols: float) -> str:
     """How much of the span a timeline shows."""
     whole = f"{significant(sols, 4)} sols"

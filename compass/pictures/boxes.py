@@ -6,7 +6,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Patch, Rectangle
 
 from compass.coverage.certified_boxes import BoxKind, MomentBoxes
-from compass.pictures.style import CYCLE, INK, axes_or_new
+from compass.pictures.style import CYCLE, INK, axes_or_new, on_mars
 
 #: What a kind is called, and its colour.
 _KINDS = {
@@ -28,7 +28,8 @@ def draw_boxes(made: MomentBoxes, title: str, axes: Axes | None = None) -> Axes:
     low, high = degrees[:, 0] - degrees[:, 2], degrees[:, 0] + degrees[:, 2]
     drawn.set(xlim=(0, 360), ylim=(low.min(), high.max()))
     share = f"{100 * made.low:.2f} to {100 * made.high:.2f} % of the area is good"
-    drawn.set(xlabel=f"longitude in the inertial frame, deg; {share}", ylabel="latitude, deg")
+    drawn.set(xlabel=f"longitude in the inertial frame, deg; {share}")
+    on_mars(drawn.yaxis, "latitude")
     drawn.set_title(title)
     handles = [Patch(facecolor=c, edgecolor=INK, label=name) for name, c in _KINDS.values()]
     drawn.legend(handles=handles, loc="upper right", fontsize=8, ncols=2)

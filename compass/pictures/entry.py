@@ -15,7 +15,18 @@ from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.pictures.rows import draw_rows, runs
-from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, SKY, look, new_figure, picture
+from compass.pictures.style import (
+    CYCLE,
+    FAINT,
+    HALF,
+    INK,
+    MARS,
+    SKY,
+    look,
+    new_figure,
+    on_mars,
+    picture,
+)
 from compass.quantities.percentile import percentile
 from compass.units import KM
 
@@ -147,8 +158,8 @@ def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
         for x, y, k in zip(lon, lat, np.flatnonzero(near), strict=True):
             place = (5, 4) if k % 2 == 0 else (5, -11)  # neighbours on different sides
             axes.annotate(beacons.names[k], (x, y), place, textcoords="offset points", fontsize=8)
-    axes.set_xlabel("east longitude, degrees")
-    axes.set_ylabel("latitude, degrees")
+    on_mars(axes.xaxis, "longitude")
+    on_mars(axes.yaxis, "latitude")
     # near a pole degrees of longitude shrink to nothing: no wider than 20 to 1
     narrow = max(0.05, float(np.cos(flight.states[:, 2].mean())))
     axes.set_aspect(1 / narrow, adjustable="datalim")

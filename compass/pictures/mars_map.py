@@ -15,7 +15,7 @@ from compass.frames import map_crs, mars_crs
 from compass.pictures.places import PLACES
 from compass.pictures.reading import Field
 from compass.pictures.relief import finer_shade
-from compass.pictures.style import FAINT, INK, PlainFigure
+from compass.pictures.style import FAINT, INK, PlainFigure, degree_words
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -80,14 +80,14 @@ class MarsMap:
             lines.append(np.column_stack(parallel))
             x, y = self.project(-180.0, float(lat))
             label = self.axes.annotate(
-                _degrees(lat, "N", "S"), (float(x), float(y)), (-3, 0),
+                degree_words("latitude", lat), (float(x), float(y)), (-3, 0),
                 textcoords="offset points", ha="right", va="center", fontsize=8, color=INK,
             )  # fmt: skip
             _halo(label)
         for lon in range(-180 + 2 * step_deg, 180, 2 * step_deg):
             x, y = self.project(float(lon), 0.0)
             label = self.axes.annotate(
-                _degrees(lon, "E", "W"), (float(x), float(y)), (2, 2),
+                degree_words("longitude", lon), (float(x), float(y)), (2, 2),
                 textcoords="offset points", fontsize=7.8, color=INK, zorder=4,
             )  # fmt: skip
             _halo(label)
@@ -187,12 +187,6 @@ class MarsMap:
                 lon, lat = np.array(segmentize(polygon, 1.0).exterior.coords).T
                 outline = np.column_stack(self.project(lon, lat))
                 self.axes.add_patch(PathPatch(Path(outline, closed=True), zorder=2, **options))
-
-
-def _degrees(value: int, positive: str, negative: str) -> str:
-    if value == 0:
-        return "0°"
-    return f"{abs(value)}° {positive if value > 0 else negative}"
 
 
 def _halo(text: Any) -> None:

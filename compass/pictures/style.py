@@ -22,6 +22,7 @@ from matplotlib.transforms import Bbox
 from compass.document import Picture
 from compass.pictures.reading import Field, Rows, reading
 from compass.pictures.rendering import letters, rendered
+from compass.words import latitude_words, longitude_words
 
 #: Width and height, inches, of a curve that takes half the width of a page: its letters are read.
 HALF = 5.6, 3.5
@@ -176,6 +177,18 @@ def look() -> Any:
 def whole_numbers(axis: Axis) -> None:
     """Mark an axis of what is counted at whole numbers alone, be there but one of them on it."""
     axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+
+
+def degree_words(name: str, degrees: float) -> str:
+    """A latitude or a longitude beside a picture; on the equator and the prime meridian 0°."""
+    said = {"latitude": latitude_words, "longitude": longitude_words}[name](degrees, "g")
+    return said if degrees else "0°"
+
+
+def on_mars(axis: Axis, name: str) -> None:
+    """Name an axis of latitudes or longitudes in degrees, and say on which side its ticks lie."""
+    axis.set_label_text(name)
+    axis.set_major_formatter(lambda value, _: degree_words(name, value))
 
 
 def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> Axes:

@@ -35,6 +35,7 @@ from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
 from compass.study.mapping import MapOptions
+from compass.words import place_words
 
 
 @dataclass(frozen=True)
@@ -270,9 +271,10 @@ def believed_answer(figures: dict[str, Any], goal: float) -> str:
 def _answer(figures: dict[str, Any], goal: float) -> str:
     worst = figures["worst_found"]
     where = (
-        f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:z.1f}, longitude "
-        f"{worst['longitude_deg']:z.1f} deg, azimuth {worst['azimuth_deg']:.0f} deg, entry "
-        f"{worst['epoch_s'] / 3600:.2f} h after the epoch, {worst['in_view']} in view at least"
+        f"{worst['value']:.2f} m at "
+        f"{place_words(worst['latitude_deg'], worst['longitude_deg'], '.1f')}, azimuth "
+        f"{worst['azimuth_deg']:.0f} deg, entry {worst['epoch_s'] / 3600:.2f} h after "
+        f"the epoch, {worst['in_view']} in view at least"
     )
     missed = 100 * (1 - figures["share_within_goal"])
     if worst["value"] <= goal:

@@ -30,7 +30,7 @@ from compass.study.requirement_patterns import grids, sampled
 from compass.study.requirement_question import KeptOut, Outcome, Question, Trial
 from compass.study.requirement_samples import is_hopeless
 from compass.study.search import pair_cosines
-from compass.words import counted
+from compass.words import counted, latitude_words
 
 #: Candidates of a size whose figures are certified at most, the most promising first; and
 #: inclinations or turns of one pattern.
@@ -231,7 +231,7 @@ def _why(verdict: Verdict) -> str:
         percent = 100 * verdict.share[1]
         return f"{wanted.wanted} for at most {percent:.2f} % ({wanted.name})"
     assert worst is not None  # what is refuted has a witness
-    place = f"latitude {np.degrees(worst.latitude):z.1f} deg"
+    place = latitude_words(float(np.degrees(worst.latitude)), ".1f")
     return f"{wanted.wanted} broken at {place} ({wanted.name})"
 
 

@@ -157,12 +157,12 @@ def test_the_site_that_is_tightest_is_named():
     far = Site.of("far", latitude_deg=20, longitude_deg=-170)
     asked = Requirement("two", sites=(EQUATOR, far), fold=1)
     own = compass.check(ring(asked, orbit={"orbit": "areosynchronous"}), days=1)
-    assert "tightest at far, latitude 20.0000, longitude -170.0000 deg" in str(own)
+    assert "tightest at far, 20.0000° N, 170.0000° W" in str(own)
     assert own.to_dict()["requirements"][0]["worst"]["site"] == "far"
     circle = compass.check(ring(asked))
-    assert "tightest at far's latitude 20.0000, longitude " in str(circle)
+    assert "tightest at far's latitude, 20.0000° N, " in str(circle)
     belt = compass.check(ring(replace(asked, sites=(), regions=("lat:10:20",))))
-    assert "tightest at latitude 20.0000, longitude " in str(belt)
+    assert "tightest at 20.0000° N, " in str(belt)
     assert belt.to_dict()["requirements"][0]["worst"]["site"] is None
 
 

@@ -68,7 +68,7 @@ MAKERS = {
     "horizon": horizon,
     "optimize": lambda designs, _: optimize(designs),
     "trade": lambda designs, folder: compass.trade(
-        designs / "study-small.toml", output=folder / "store", workers=1
+        designs / "study-small.toml", store=folder / "store", workers=1
     ),
     "reproduce": lambda *_: compass.reproduce("montenbruck2018"),
     "export": lambda designs, _: compass.export(designs / SEED, format="toml"),

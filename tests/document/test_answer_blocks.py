@@ -52,3 +52,16 @@ def test_columns_stand_on_their_points():
     assert padding(["1", "20"]) == ["", ""]
     drawn = html(Table("t", ("", "n"), (("a", 1.0), ("b", 2.25))))
     assert '1<span class="pad" aria-hidden="true">.00</span>' in drawn
+
+
+def test_what_an_answer_stands_on_is_folded_away_on_a_page_and_said_in_full_in_a_terminal():
+    short = Answer("q", "1", evidence="sampled, 500 runs of the filter")
+    assert short.folded == ("sampled, 500 runs of the filter", "")
+    long = Answer("q", "1", evidence="proven: compass drift designs/a.toml --days 33, 1,024 of 2")
+    assert long.folded == ("proven", "compass drift designs/a.toml --days 33, 1,024 of 2")
+    scoped = Answer("q", Value(MASK, 6.24, Proven("for all time, on undisturbed orbits")))
+    assert scoped.folded == ("proven", "for all time, on undisturbed orbits")
+    answers = Answers("A", (short, long))
+    assert "<summary>proven</summary>compass drift designs/a.toml" in html(answers)
+    assert html(answers).count("<summary>") == 1
+    assert "proven: compass drift designs/a.toml --days 33" in text(Page("", (answers,)))

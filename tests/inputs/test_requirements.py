@@ -48,7 +48,7 @@ def test_all_keys_arrive_in_si_and_words():
     assert (one.altitude, one.limits) == (4e5, (("pdop", 6.0), ("tdop", 2.5)))
     assert one.claim == (
         "5 satellites and PDOP at most 6 and TDOP at most 2.5 without any 1, for 95 % of area and "
-        "time, latitudes -45 to 45 deg, polygon:0,0;0,9;9,0, 400 km above the ground, in beams of 20 deg"
+        "time, 45° S to 45° N, polygon:0,0;0,9;9,0, 400 km above the ground, in beams of 20 deg"
     )
 
 

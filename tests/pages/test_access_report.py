@@ -58,6 +58,14 @@ def test_a_large_constellation_is_cut_and_said_so(design):
     assert f"The first {MAX_ROWS} of {MAX_ROWS + 3} satellites" in section.pictures[0].caption
 
 
+def test_a_node_that_sees_nothing_has_no_empty_picture(design):
+    equator = keplerian(2.0427e7, 0.0, 0.0, [0.0, 2.1, 4.2], 0.0, 0.0)
+    blind = replace(design, constellation=equator, access=Wanted(), access_duration=SOLAR_DAY.value)
+    section = access_section(compass.access(blind))
+    assert "North pole never sees a satellite" in section.paragraphs[0]
+    assert {p.stem for p in section.pictures} == {"access-equator-0-e", "access-equator-180-e"}
+
+
 def test_a_timeline_on_given_or_new_axes(design):
     found = compass.access(replace(design, access=Wanted()))
     axes = found.plot()

@@ -402,4 +402,4 @@ def test_access_of_an_ephemeris_looks_as_far_as_it_is_known():
 
 def test_the_equator_has_no_sign():
     at = SimpleNamespace(witness=SimpleNamespace(fold=0, latitude=-1e-9, longitude=-1e-9))
-    assert module._place(at) == "0 in view at latitude 0.00, longitude 0.00 deg"
+    assert module._place(at) == "0 in view at the equator, 0.00° E"

@@ -135,7 +135,7 @@ def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     assert "Bars: how far another sampling may move it." in front.caption
     # no bounds are looked for here (conftest.py)
     assert "Who is on the front: of 3 it is not decided" in front.caption
-    assert "elevation mask, deg" in tables["The first Pareto front, first 40"].header
+    assert "elevation mask, deg" in tables["The first Pareto front"].header
     title = "The finalists by objective, and the change from Three areostationary relays"
     assert tables[title].rows[-1][:2] == ("Three areostationary relays", "to compare with")
 

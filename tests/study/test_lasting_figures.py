@@ -174,7 +174,7 @@ def test_resonant_candidates_do_not_last(tmp_path, monkeypatch):
     mask = float(candidates["mask_deg"].min())
     path.write_text(study.text.replace("fold = 1", f"fold = 1\nmask_deg = {mask}"))
     store = tmp_path / "store"
-    run = compass.trade(path, output=store, workers=1).to_dict()
+    run = compass.trade(path, store=store, workers=1).to_dict()
     assert (run["candidates"], run["reached"]["orbits"]) == (2, 2)
     results = read_results(read_study(path), store)
     assert results.feasible.values.tolist() == [True, False]

@@ -290,7 +290,7 @@ def test_answers():
         }
         return {"worst_found": {"value": worst, **place}, "share_within_goal": share}
 
-    where = "m at latitude 1.0, longitude 2.0 deg, azimuth 3 deg, entry 1.00 h after the epoch"
+    where = "m at 1.0° N, 2.0° E, azimuth 3 deg, entry 1.00 h after the epoch"
     yes = ranking.answer(figures(9.0, 1.0), 10.0)
     no = ranking.answer(figures(11.0, 0.9), 10.0)
     lost = figures(9.0, 1.0) | {"after_loss": {"satellite": "P1S2", **figures(11.0, 0.9)}}

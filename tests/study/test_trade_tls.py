@@ -39,7 +39,7 @@ def refused(run, killed_study, tmp_path):
     """What the program says of options that it refuses before any work."""
 
     def call(*options):
-        code, _, message = run("trade", killed_study, "-o", tmp_path / "store", *options)
+        code, _, message = run("trade", killed_study, "--store", tmp_path / "store", *options)
         assert code == 2
         return message
 

@@ -68,7 +68,15 @@ class Trade:
 
     def start(self, *options, **settings):
         """Start it, or go on with it."""
-        command = [*self.around, sys.executable, COUNTED, "trade", self.study, "-o", self.folder]
+        command = [
+            *self.around,
+            sys.executable,
+            COUNTED,
+            "trade",
+            self.study,
+            "--store",
+            self.folder,
+        ]
         self.process = subprocess.Popen(
             [*map(str, command), "--json", *map(str, options)],
             stdout=subprocess.PIPE,

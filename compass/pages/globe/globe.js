@@ -176,10 +176,10 @@ class Globe extends Drawing {
     const [x, y] = this.asked ?? [1, 1], {readout} = this;
     if (x * x + y * y >= 1) { readout.textContent = readout.dataset.hint; return; }
     const z = Math.sqrt(1 - x * x - y * y), v = [0, 1, 2].map(i => x * this.axes[0][i] + y * this.axes[1][i] + z * this.axes[2][i]);
-    const lat = Math.asin(within(v[2], -1, 1)) / RAD, lon = (Math.atan2(v[1], v[0]) / RAD + 360) % 360;
+    const lat = Math.asin(within(v[2], -1, 1)) / RAD, lon = Math.atan2(v[1], v[0]) / RAD;
     const found = this.at(lat, lon, this.time);
     const values = Object.values(this.graded).map(field => `${field.title} ${this.words(field, found[field.name])}`);
-    readout.textContent = `latitude ${lat.toFixed(1)}°, longitude ${lon.toFixed(1)}° E: ${found.count} in view, ${values.join(", ")}`;
+    readout.textContent = `${Math.abs(lat).toFixed(1)}° ${lat < 0 ? "S" : "N"}, ${Math.abs(lon).toFixed(1)}° ${lon < 0 ? "W" : "E"}: ${found.count} in view, ${values.join(", ")}`;
   }
 }
 

@@ -10,6 +10,9 @@ const half = bits => {  // half-precision float
 };
 const degrees = (v, positive, negative) =>
   `${Math.abs(v).toFixed(1)}° ${v < 0 ? negative : positive}`;
+const turned = v => v - 360 * Math.round(v / 360);
+const told = ([,,, name], v) => name === "latitude" ? degrees(v, "N", "S")
+  : name === "longitude" ? degrees(turned(v), "E", "W") : say(v);
 const nearest = (list, v) => {
   let best = 0;
   list.forEach((w, k) => { if (Math.abs(w - v) < Math.abs(list[best] - v)) best = k; });
@@ -67,12 +70,12 @@ function onCurves(panel, x, y) {
   const head = found[0].line.x[found[0].at];
   const off = f => Math.abs(f.place[1] - y), most = 12;  // of many curves those near the pointer
   const shown = found.length > most ? [...found].sort((a, b) => off(a) - off(b)).slice(0, most) : found;
-  const told = shown.map(f =>
-    `${f.line.name || panel.y[3] || panel.title || "value"}: ${say(f.line.y[f.at])}`);
-  if (found.some(f => f.line.name) && panel.y[3]) told.unshift(panel.y[3]);
-  if (shown.length < found.length) told.push(`and ${found.length - shown.length} more`);
+  const lines = shown.map(f =>
+    `${f.line.name || panel.y[3] || panel.title || "value"}: ${told(panel.y, f.line.y[f.at])}`);
+  if (found.some(f => f.line.name) && panel.y[3]) lines.unshift(panel.y[3]);
+  if (shown.length < found.length) lines.push(`and ${found.length - shown.length} more`);
   return {x: found[0].place[0], y: found[0].place[1],
-          lines: [`${panel.x[3] || "across"}: ${say(head)}`, ...told]};
+          lines: [`${panel.x[3] || "across"}: ${told(panel.x, head)}`, ...lines]};
 }
 
 // A place of the picture in the numbers of the axes; none outside of them.
