@@ -1,7 +1,6 @@
 """Commands that do more than call their function and write what options name of its result."""
 
 import sys
-import webbrowser
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -81,10 +80,11 @@ def view(design: Path, output: Path | None, opened: bool | None) -> None:
     else:
         with line_of_its_own():
             click.echo(page)
-    if (opened or (opened is None and sys.stdout.isatty())) and not webbrowser.open(
-        page.absolute().as_uri()
-    ):
-        say(f"no browser was found; open {page} in one")
+    if opened or (opened is None and sys.stdout.isatty()):
+        import webbrowser  # for nothing else
+
+        if not webbrowser.open(page.absolute().as_uri()):
+            say(f"no browser was found; open {page} in one")
 
 
 SPECIAL: dict[str, Callable[..., object]] = {

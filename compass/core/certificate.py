@@ -10,8 +10,10 @@ bound is at one end of the range of W.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.figure import stretched_caps
 from compass.core.fold import cap_cosine, cell_point, extreme_fold
@@ -26,23 +28,56 @@ PROVEN, REFUTED, UNDECIDED = 0, 1, 2
 KEPT = 32
 
 
+class Orbits(NamedTuple):
+    """Orbits of n satellites.
+
+    `elements` (7, n): rows a, e, i, RAAN, argument of periapsis, mean anomaly, mean motion, SI;
+    `poles` (n, 3): unit vectors along the angular momenta in the inertial frame; `gm`, m^3/s^2.
+    """
+
+    elements: NDArray[np.float64]
+    poles: NDArray[np.float64]
+    gm: float
+
+
+class Frame(NamedTuple):
+    """The frame in which motion is bounded.
+
+    `spin` (3,): its angular velocity Omega, rad/s; `angle` at time 0 of one that turns about z with
+    ``spin[2]``, nan for directions in the inertial frame (their arrangement is the same, whichever
+    way it is turned); `error`: what directions in it may be off by, radians.
+    """
+
+    spin: NDArray[np.float64]
+    angle: float
+    error: float
+
+
+class Ground(NamedTuple):
+    """Who looks up: equatorial `radius`, m, its ratio to the polar one (`stretch`), `mask`, rad."""
+
+    radius: float
+    stretch: float
+    mask: float
+
+
+class Sides(NamedTuple):
+    """Half-spaces whose common part of the sphere is a region, as in `extreme_fold`."""
+
+    normals: NDArray[np.float64]
+    floors: NDArray[np.float64]
+
+
 @kernel
-def caps_at(orbits, poles, gm, sphere_radius, mask, spin, frame_angle, time, half):
+def caps_at(orbits, frame, sphere_radius, mask, time, half):
     """Directions, cap radii and how far both can stray within `half` of `time`.
 
     Parameters
     ----------
-    orbits
-        Rows a, e, i, RAAN, argument of periapsis, mean anomaly, mean motion; shape (7, n), SI.
-    poles
-        Unit vectors along the angular momenta in the inertial frame, shape (n, 3).
-    gm, sphere_radius, mask
-        m^3/s^2, m, rad.
-    spin
-        Angular velocity Omega of the frame, shape (3,), rad/s.
-    frame_angle
-        Angle at time 0 of a frame that turns about z with ``spin[2]``; nan for directions in
-        the inertial frame (their arrangement is the same, whichever way it is turned).
+    orbits, frame
+        `Orbits` and `Frame`.
+    sphere_radius, mask
+        m, rad.
     time, half
         Seconds.
 
@@ -52,24 +87,17 @@ def caps_at(orbits, poles, gm, sphere_radius, mask, spin, frame_angle, time, hal
         Shapes (n, 3), (n,), (n,); radians. `stray` includes the rounding of the motion: phases
         are good to ``4 (|M| + 8)`` roundoffs, times the greatest ``d(true)/d(mean anomaly)``.
     """
-    n = orbits.shape[1]
+    elements, poles, gm, spin = orbits.elements, orbits.poles, orbits.gm, frame.spin
+    n = elements.shape[1]
     still = np.zeros(n)
     times = np.empty(1)
     times[0] = time
     r, _ = elliptic_states(
-        orbits[0],
-        orbits[1],
-        orbits[2],
-        orbits[3],
-        orbits[4],
-        orbits[5],
-        still,
-        still,
-        orbits[6],
-        times,
-    )
-    turned = not math.isnan(frame_angle)
-    angle = frame_angle + spin[2] * time if turned else 0.0
+        elements[0], elements[1], elements[2], elements[3], elements[4], elements[5], still, still,
+        elements[6], times,
+    )  # fmt: skip
+    turned = not math.isnan(frame.angle)
+    angle = frame.angle + spin[2] * time if turned else 0.0
     ca, sa = math.cos(angle), math.sin(angle)
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty(n)
     for s in range(n):
@@ -80,7 +108,7 @@ def caps_at(orbits, poles, gm, sphere_radius, mask, spin, frame_angle, time, hal
             (ca * y - sa * x) / distance,
             z / distance,
         )
-        a, e = orbits[0, s], orbits[1, s]
+        a, e = elements[0, s], elements[1, s]
         p = a * (1.0 - e * e)
         radial = e * math.sqrt(gm / p)
         nearest = max(a * (1.0 - e), distance - radial * half)
@@ -95,32 +123,14 @@ def caps_at(orbits, poles, gm, sphere_radius, mask, spin, frame_angle, time, hal
         rim = sphere_radius * math.cos(mask)
         growth = radial * rim / (nearest * math.sqrt(nearest * nearest - rim * rim))
         radius[s] = math.acos(rim / distance) - mask
-        phase = abs(orbits[5, s]) + abs(orbits[6, s] * time) + abs(angle) + 8.0
-        steepest = momentum / (a * a * (1.0 - e) * (1.0 - e)) / orbits[6, s]
+        phase = abs(elements[5, s]) + abs(elements[6, s] * time) + abs(angle) + 8.0
+        steepest = momentum / (a * a * (1.0 - e) * (1.0 - e)) / elements[6, s]
         stray[s] = (rate + growth) * half + 4.0 * UNIT_ROUNDOFF * phase * steepest
     return u, radius, stray
 
 
 @kernel
-def settle(
-    orbits,
-    poles,
-    gm,
-    sphere_radius,
-    stretch,
-    mask,
-    spin,
-    frame_angle,
-    frame_error,
-    region,
-    floors,
-    low,
-    k,
-    start,
-    stop,
-    tolerance,
-    max_nodes,
-):
+def settle(orbits, frame, ground, sides, low, k, start, stop, tolerance, max_nodes):
     """Settle "fold >= k" (`low`) or "fold <= k" (not `low`) on the whole of [start, stop].
 
     On an ellipsoid, whose caps are only known between bounds, bands of latitude are halved where
@@ -128,14 +138,10 @@ def settle(
 
     Parameters
     ----------
-    orbits, poles, gm, mask, spin, frame_angle
-        As in `caps_at`; on an ellipsoid the frame turns about the pole.
-    sphere_radius, stretch
-        Equatorial radius, metres, and its ratio to the polar one: 1 for a sphere.
-    frame_error
-        Further error of the directions, radians.
-    region, floors
-        As in `extreme_fold`, of an ellipsoid stretched along the pole to a sphere.
+    orbits, frame, ground
+        `Orbits`, `Frame` (on an ellipsoid one that turns about the pole) and `Ground`.
+    sides
+        `Sides`; of an ellipsoid stretched along the pole to a sphere.
     low, k
         The claim.
     start, stop
@@ -151,9 +157,9 @@ def settle(
         `PROVEN`, `REFUTED` or `UNDECIDED`; intervals looked at; intervals left, and the first
         `KEPT` of them (rows start, stop); the moment, place and fold of the counter-example.
     """
-    n, parts = orbits.shape[1], floors.size
+    n, parts, stretch = orbits.elements.shape[1], sides.floors.size, ground.stretch
     normals, heights = np.zeros((parts + 2, 3)), np.empty(parts + 2)
-    normals[:parts], heights[:parts] = region, floors
+    normals[:parts], heights[:parts] = sides.normals, sides.floors
     stack = np.empty((256, 4))  # intervals of time, and bands: sines of their latitudes
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = start, stop, -1.0, 1.0
     depth, nodes, open_parts = 1, 0, 0
@@ -171,27 +177,13 @@ def settle(
         nodes += 1
         middle = 0.5 * (left + right)
         half = max(middle - left, right - middle)
-        level = mask if stretch == 1.0 else 0.0
-        u, radius, stray = caps_at(
-            orbits, poles, gm, sphere_radius, level, spin, frame_angle, middle, half
-        )
+        level = ground.mask if stretch == 1.0 else 0.0
+        u, radius, stray = caps_at(orbits, frame, ground.radius, level, middle, half)
         outer[:] = radius
         by_band, by_time = 0.0, 0.0
         if stretch != 1.0:
             by_band, by_time = stretched_caps(
-                orbits,
-                poles,
-                gm,
-                sphere_radius,
-                stretch,
-                mask,
-                half,
-                south,
-                north,
-                u,
-                radius,
-                stray,
-                outer,
+                orbits, ground, half, south, north, u, radius, stray, outer
             )
         rows = parts
         for sign, rim in ((1.0, south), (-1.0, -north)):
@@ -200,7 +192,7 @@ def settle(
                 rows += 1
         largest = by_time
         for s in range(n):
-            wander = stray[s] + frame_error
+            wander = stray[s] + frame.error
             largest = max(largest, wander + by_time)
             cosines[s] = cap_cosine(radius[s] if low else outer[s], -wander if low else wander)
         where, limits = normals[:rows], heights[:rows]

@@ -53,7 +53,9 @@ def stretched_cap(sphere_radius, stretch, mask, south, north, far, near, distant
 
     Parameters
     ----------
-    sphere_radius, stretch, mask, south, north
+    sphere_radius, stretch, mask
+        Equatorial radius, metres, its ratio to the polar one, and the mask, radians.
+    south, north
         As in `stretched_caps`.
     far, near, distant
         Distance of the stretched satellite from the centre, and between what bounds it stays, m.
@@ -95,17 +97,13 @@ def stretched_cap(sphere_radius, stretch, mask, south, north, far, near, distant
 
 
 @kernel
-def stretched_caps(
-    orbits, poles, gm, sphere_radius, stretch, mask, half, south, north, u, radius, stray, outer
-):
+def stretched_caps(orbits, ground, half, south, north, u, radius, stray, outer):
     """Turn caps of the sphere at mask 0 into bounds for an ellipsoid, in place.
 
     Parameters
     ----------
-    orbits, poles, gm, mask
-        As in `compass.core.certificate.caps_at`.
-    sphere_radius, stretch
-        Equatorial radius, metres, and its ratio to the polar one.
+    orbits, ground
+        As in `compass.core.certificate.settle`.
     half
         Seconds: bounds hold so long before and after.
     south, north
@@ -124,10 +122,12 @@ def stretched_caps(
         much to the length of the time, radians.
     """
     by_band, by_time = 0.0, 0.0
+    elements, poles, gm = orbits.elements, orbits.poles, orbits.gm
+    sphere_radius, stretch = ground.radius, ground.stretch
     f2 = stretch * stretch - 1.0
     for s in range(radius.size):
         distance = sphere_radius / math.cos(radius[s])
-        a, e = orbits[0, s], orbits[1, s]
+        a, e = elements[0, s], elements[1, s]
         x, y, z = u[s, 0], u[s, 1], stretch * u[s, 2]
         norm = math.sqrt(x * x + y * y + z * z)
         u[s, 0], u[s, 1], u[s, 2] = x / norm, y / norm, z / norm
@@ -141,7 +141,7 @@ def stretched_caps(
         low, high = max(a * (1.0 - e), far - rate * half), far + rate * half
         rise = stretch * climb * half
         radius[s], outer[s], across, along, moving = stretched_cap(
-            sphere_radius, stretch, mask, south, north, far, low, high, z * distance, rise
+            sphere_radius, stretch, ground.mask, south, north, far, low, high, z * distance, rise
         )
         by_band = max(by_band, across + along)
         by_time = max(by_time, moving)
@@ -201,7 +201,7 @@ def inner_cap(distance, height, sphere_radius, stretch, mask):
     distance, height
         Of the satellite, from the centre and over the equator, m.
     sphere_radius, stretch, mask
-        As in `stretched_caps`.
+        As in `stretched_cap`.
 
     Returns
     -------

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.certificate import Orbits
 from compass.core.jit import kernel
 from compass.core.nearest import worst_radius
 from compass.core.sort import keep_greatest
@@ -32,19 +33,20 @@ def pattern_radius(
         Bracket, infinite above after an early end; when and where `least` is needed; radians.
     """
     n = raan.size
-    orbits = np.zeros((7, n))
-    orbits[0] = 1.0
-    orbits[2] = inclination
-    orbits[3] = raan
-    orbits[5] = latitude_argument
-    orbits[6] = 1.0
+    elements = np.zeros((7, n))
+    elements[0] = 1.0
+    elements[2] = inclination
+    elements[3] = raan
+    elements[5] = latitude_argument
+    elements[6] = 1.0
     poles = np.empty((n, 3))
     poles[:, 0] = math.sin(inclination) * np.sin(raan)
     poles[:, 1] = -math.sin(inclination) * np.cos(raan)
     poles[:, 2] = math.cos(inclination)
     spin = np.array([poles[:, 0].mean(), poles[:, 1].mean(), poles[:, 2].mean()])
+    orbits = Orbits(elements, poles, 1.0)
     least, most, when, point, _ = worst_radius(
-        orbits, poles, 1.0, spin, k, start, stop, first, known, tolerance, limit, 100_000
+        orbits, spin, k, start, stop, first, known, tolerance, limit, 100_000
     )
     return least, most, when, point
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from compass.core.certificate import caps_at
+from compass.core.certificate import Frame, caps_at
 from compass.core.fold import circle_frame
 from compass.core.jit import kernel
 from compass.core.sort import keep_greatest, sort_together
@@ -188,9 +188,7 @@ def covering_radius(satellites, k, least, most, p_best):
 
 
 @kernel
-def worst_radius(
-    orbits, poles, gm, spin, k, start, stop, first, known, tolerance, limit, max_nodes
-):
+def worst_radius(orbits, spin, k, start, stop, first, known, tolerance, limit, max_nodes):
     """Greatest `covering_radius` over [start, stop], bracketed to `tolerance`.
 
     The covering radius changes no faster than the satellites move in a frame that turns with
@@ -199,8 +197,10 @@ def worst_radius(
 
     Parameters
     ----------
-    orbits, poles, gm, spin
-        As in `caps_at`.
+    orbits
+        `compass.core.certificate.Orbits`.
+    spin
+        Angular velocity of a frame, shape (3,), rad/s.
     k, start, stop
         Fold; seconds.
     first
@@ -223,15 +223,16 @@ def worst_radius(
     stack = np.empty((parts + 128, 3))  # intervals, and the radius that is not exceeded in each
     point, candidate = np.zeros(3), np.zeros(3)
     least, most, when = known, 0.0, first
-    if orbits.shape[1] < k:
+    if orbits.elements.shape[1] < k:
         return math.inf, math.inf, first, point, 0
-    sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions
+    sphere = 1e-9 * orbits.elements[0].min()  # caps do not matter here, only directions
+    frame = Frame(spin, math.nan, 0.0)
     ceiling = math.pi
     nodes = 0
     for time in (first, start, stop):
         if nodes > 0 and time == first:
             continue
-        u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, stop - start)
+        u, _, stray = caps_at(orbits, frame, sphere, 0.0, time, stop - start)
         value = covering_radius(u, k, least, ceiling, candidate)
         ceiling = min(ceiling, value + stray.max())
         if value > least:
@@ -254,7 +255,7 @@ def worst_radius(
         left, right = stack[depth, 0], stack[depth, 1]
         middle = 0.5 * (left + right)
         half = max(middle - left, right - middle)
-        u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, middle, half)
+        u, _, stray = caps_at(orbits, frame, sphere, 0.0, middle, half)
         # a lower radius than this closes the interval, whatever it is
         enough = least + tolerance - stray.max()
         value = covering_radius(u, k, enough, stack[depth, 2], candidate)

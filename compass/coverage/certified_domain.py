@@ -184,8 +184,8 @@ def domain_of(
     pace = float(c.mean_motion.mean())
     angle = rate = error = 0.0
     if turning:
-        frame = motion_of(c, span, Region("", np.zeros((1, 3)), np.zeros(1), mars_fixed=True))
-        angle, rate, error = frame.frame_angle, float(frame.spin[2]), frame.frame_error
+        _, frame = motion_of(c, span, Region("", np.zeros((1, 3)), np.zeros(1), mars_fixed=True))
+        angle, rate, error = frame.angle, float(frame.spin[2]), frame.error
     sides = np.array([[south, north], [west, east], [span.start * pace, span.stop * pace]])
     length = span.stop - span.start
     begin = f"{since / 3600:.6g} h after the epoch" if since else "the epoch"

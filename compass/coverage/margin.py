@@ -59,14 +59,12 @@ def covering_radius(
     `progress` wraps the list of revolutions, as tqdm does.
     """
     span = span or shortest_span(constellation)
-    motion = motion_of(constellation, span)
+    orbits, frame = motion_of(constellation, span)
     least, most, time, place, nodes = -1.0, 0.0, span.start, np.zeros(3), 0
     for start, stop in progress(revolutions(constellation, span.start, span.stop)):
         reached, bound, when, where, looked = worst_radius(
-            motion.orbits,
-            motion.poles,
-            motion.gm,
-            motion.spin,
+            orbits,
+            frame.spin,
             fold,
             start,
             stop,

@@ -1,10 +1,8 @@
 """A constellation's motion in the form the certificate kernels take, in the frame that suits."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
+from compass.core.certificate import Frame, Orbits
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.symmetry import Span
 from compass.frames import prime_meridian_angle
@@ -15,39 +13,13 @@ from compass.orbits import Constellation
 MERIDIAN_CURVATURE = 3e-19
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Orbits and a frame.
-
-    Attributes
-    ----------
-    orbits
-        Rows a, e, i, RAAN, argument of periapsis, mean anomaly, mean motion, shape (7, n), SI.
-    poles
-        Unit vectors along the angular momenta, shape (n, 3).
-    gm
-        m^3/s^2.
-    spin
-        Angular velocity of the frame in which motion is bounded, shape (3,), rad/s.
-    frame_angle
-        Angle of a Mars-fixed frame at the epoch, radians; nan for the inertial frame.
-    frame_error
-        Bound on the departure of Mars's rotation from uniform in the span, and on what the
-        symmetries miss that the span stands on, radians.
-    """
-
-    orbits: NDArray[np.float64]
-    poles: NDArray[np.float64]
-    gm: float
-    spin: NDArray[np.float64]
-    frame_angle: float
-    frame_error: float
-
-
 def motion_of(
     constellation: Constellation, span: Span, region: Region = GLOBE, *, about_pole: bool = False
-) -> Motion:
-    """Motion of a constellation over a span, in the frame in which a region stands still.
+) -> tuple[Orbits, Frame]:
+    """Orbits of a constellation, and the frame in which a region stands still over a span.
+
+    The frame's error bounds the departure of Mars's rotation from uniform in the span, and what
+    the symmetries miss that the span stands on.
 
     Any turning frame will do for the whole sphere and any that turns about the pole for a band
     of latitude: the one that follows the satellites on average makes their motion smallest. A
@@ -56,7 +28,7 @@ def motion_of(
     looks the same only from a frame that turns about its pole (`about_pole`).
     """
     c = constellation
-    orbits = np.array(
+    elements = np.array(
         [
             c.semi_major_axis,
             c.eccentricity,
@@ -69,6 +41,7 @@ def motion_of(
     )
     si, ci = np.sin(c.inclination), np.cos(c.inclination)
     poles = np.stack([si * np.sin(c.raan), -si * np.cos(c.raan), ci], axis=-1)
+    orbits = Orbits(elements, poles, c.gm)
     if region.mars_fixed:
         length = span.stop - span.start
         first, last = prime_meridian_angle(c.epoch, [span.start, span.stop])
@@ -76,8 +49,8 @@ def motion_of(
         spin = np.array([0.0, 0.0, rate])
         error = MERIDIAN_CURVATURE * length**2 / 8 + 2 * np.spacing(abs(last))
         angle = float(np.mod(first - rate * span.start, 2 * np.pi))
-        return Motion(orbits, poles, c.gm, spin, angle, float(error) + span.mismatch)
+        return orbits, Frame(spin, angle, float(error) + span.mismatch)
     spin = (c.mean_motion[:, np.newaxis] * poles).mean(axis=0) if c.size else np.zeros(3)
     if about_pole or not region.is_globe:
         spin = spin * [0.0, 0.0, 1.0]
-    return Motion(orbits, poles, c.gm, spin, float("nan"), span.mismatch)
+    return orbits, Frame(spin, float("nan"), span.mismatch)

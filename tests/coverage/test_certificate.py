@@ -123,13 +123,13 @@ def test_ellipses_are_proven_over_their_period_and_samples_agree():
 @given(e=st.floats(0, 0.6), half=st.floats(1.0, 3000.0), part=st.floats(-1, 1), t=st.floats(0, 1e5))
 def test_no_cap_strays_beyond_its_bound(e, half, part, t):
     c = ellipses(4, e)
-    motion = motion_of(c, Span(0.0, 1.0, False, ""))
-    arguments = (motion.orbits, motion.poles, motion.gm, R, 0.1, motion.spin, np.nan)
-    _, before, stray = caps_at(*arguments, t, half)
-    _, after, _ = caps_at(*arguments, t + part * half, 0.0)
+    orbits, frame = motion_of(c, Span(0.0, 1.0, False, ""))
+    assert np.isnan(frame.angle)
+    _, before, stray = caps_at(orbits, frame, R, 0.1, t, half)
+    _, after, _ = caps_at(orbits, frame, R, 0.1, t + part * half, 0.0)
     # directions in the frame that turns with the spin, by Rodrigues' formula
-    axis = motion.spin / np.linalg.norm(motion.spin)
-    turn = -np.linalg.norm(motion.spin) * part * half
+    axis = frame.spin / np.linalg.norm(frame.spin)
+    turn = -np.linalg.norm(frame.spin) * part * half
     start, end = positions_mci(c, [t, t + part * half]).transpose(1, 0, 2)
     end = (
         np.cos(turn) * end
@@ -144,10 +144,7 @@ def test_a_polygon_turns_with_mars():
     c = ellipses()
     region = read_region("polygon:0,0;0,60;50,30")
     span = Span(0.0, 20000.0, False, "")
-    motion = motion_of(c, span, region)
-    u, _, _ = caps_at(
-        motion.orbits, motion.poles, motion.gm, R, 0.0, motion.spin, motion.frame_angle, 1e4, 0.0
-    )
+    u, _, _ = caps_at(*motion_of(c, span, region), R, 0.0, 1e4, 0.0)
     r = positions_mcmf(c, [1e4])[:, 0]
     assert u == pytest.approx(r / np.linalg.norm(r, axis=1, keepdims=True), abs=1e-11)
     least, _ = fold_range(c, sphere_radius=R, region=region, span=span, max_intervals=2000)

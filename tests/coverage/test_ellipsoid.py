@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import compass
-from compass.core.certificate import caps_at
+from compass.core.certificate import Ground, caps_at
 from compass.core.figure import stretched_caps
 from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.fold import clearances
@@ -61,12 +61,13 @@ def test_caps_bound_what_is_seen_in_a_band_for_a_while(
 ):
     """Inside the inner cap, less the stray, all see it; outside the outer one, none does."""
     c = keplerian(periapsis / (1 - e), e, inclination, 0.7, 0.3, anomaly)
-    motion = motion_of(c, Span(0.0, 1.0, False, ""), GLOBE, about_pole=True)
-    frame = (motion.orbits, motion.poles, motion.gm)
-    u, radius, stray = caps_at(*frame, R, 0.0, 0 * motion.spin, np.nan, 0.0, half)
+    orbits, frame = motion_of(c, Span(0.0, 1.0, False, ""), GLOBE, about_pole=True)
+    still = frame._replace(spin=0 * frame.spin)
+    u, radius, stray = caps_at(orbits, still, R, 0.0, 0.0, half)
     outer = radius.copy()
     north = min(1.0, south + width)
-    stretched_caps(*frame, R, figure.stretch, mask, half, south, north, u, radius, stray, outer)
+    ground = Ground(R, figure.stretch, mask)
+    stretched_caps(orbits, ground, half, south, north, u, radius, stray, outer)
     assert radius[0] <= outer[0]
     rng = np.random.default_rng(seed)
     side = np.linalg.svd(u)[2][1:]  # two directions across u[0]
@@ -88,15 +89,13 @@ def test_caps_bound_what_is_seen_in_a_band_for_a_while(
 
 def test_bounds_are_one_for_a_horizontal_mask_and_narrow_with_the_band():
     c = keplerian(2e7, 0.0, 0.8, 0.7, 0.0, 1.0)
-    motion = motion_of(c, Span(0.0, 1.0, False, ""), GLOBE, about_pole=True)
-    frame = (motion.orbits, motion.poles, motion.gm)
+    orbits, frame = motion_of(c, Span(0.0, 1.0, False, ""), GLOBE, about_pole=True)
 
     def width(mask, south, north):
-        u, radius, stray = caps_at(*frame, R, 0.0, motion.spin, np.nan, 0.0, 0.0)
+        u, radius, stray = caps_at(orbits, frame, R, 0.0, 0.0, 0.0)
         outer = radius.copy()
-        stretched_caps(
-            *frame, R, ELLIPSOID.stretch, mask, 0.0, south, north, u, radius, stray, outer
-        )
+        ground = Ground(R, ELLIPSOID.stretch, mask)
+        stretched_caps(orbits, ground, 0.0, south, north, u, radius, stray, outer)
         return outer[0] - radius[0]
 
     assert width(0.0, -1.0, 1.0) < 1e-13

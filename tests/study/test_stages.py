@@ -100,12 +100,9 @@ def test_brackets_hold_the_covering_radius_of_the_whole_period(pattern, fold):
         return
     # the twin takes no symmetry for granted: it looks at a whole revolution, in samples
     c = make(star, t, p, f, inclination=inclination)
-    motion, period = motion_of(c, shortest_span(c)), 2 * np.pi / c.mean_motion[0]
+    (orbits, frame), period = motion_of(c, shortest_span(c)), 2 * np.pi / c.mean_motion[0]
     times = np.linspace(0, period, 60)
-    values = [
-        worst_radius(motion.orbits, motion.poles, motion.gm, motion.spin, fold, x, x, x, -1.0, 1, np.inf, 2)[0]
-        for x in times
-    ]  # fmt: skip
+    values = [worst_radius(orbits, frame.spin, fold, x, x, x, -1.0, 1, np.inf, 2)[0] for x in times]
     assert max(values) <= most + 1e-9
     found = covering_radius(c, fold, tolerance=2e-3)
     assert least <= found.radius + 1e-9 and found.at_least <= most + 1e-9
