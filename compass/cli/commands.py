@@ -80,7 +80,7 @@ COMMANDS = {
     "judge": (
         f"designs {AREAS} scenario samples seed goal_m density_sigma lift_sigma clock_m "
         "clock_drift_m_s orbit_m satellite_clock_m range_bias_m finalists runs rival "
-        "rival_radius_km start_day folder",
+        "rival_radius_km start_day workers folder",
         """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
 
         The lander of the scenario is flown to parachute deployment (its trigger of that name, or
@@ -168,7 +168,7 @@ COMMANDS = {
     "search": (
         "require fold region pdop_at_most gdop_at_most share share_of least_approach_deg "
         "mask_deg radius_km altitude_km orbit repeat max_satellites beyond pattern figure "
-        "finalists days budget_s output",
+        "finalists days budget_s workers output",
         """Find the smallest pattern that meets requirements, or covers the whole sphere k-fold.
 
         Requirements are those of a file (--require), or --fold, --region and limits on geometry;

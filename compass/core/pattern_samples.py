@@ -6,8 +6,10 @@ and neighbours break it at the same moment: the one that did so last is looked a
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.clearance import profile_range
 from compass.core.dop import dops
@@ -22,47 +24,47 @@ MOMENT = 14
 MERCY = 1e-9
 
 
+class Circles(NamedTuple):
+    """Equal circular orbits: nodes, arguments of latitude at phase 0, rad, (n,); `radius`, m."""
+
+    raan: NDArray[np.float64]
+    along: NDArray[np.float64]
+    radius: float
+
+
+class Claim(NamedTuple):
+    """What is claimed of a moment.
+
+    `azimuths`, `elevations`: profile of the horizon, as `compass.core.clearance.bounds` takes it;
+    `fold`: satellites wanted above it; `limits` (5,): of GDOP, PDOP, HDOP, VDOP and TDOP, infinite
+    where nothing is wanted; `always`: whether the first broken moment ends a candidate, whose share
+    is then 0 and its worst infinite.
+    """
+
+    azimuths: NDArray[np.float64]
+    elevations: NDArray[np.float64]
+    fold: int
+    limits: NDArray[np.float64]
+    always: bool
+
+
 @kernel
-def sample_pattern(
-    raan,
-    along,
-    inclinations,
-    nodes,
-    radius,
-    moments,
-    azimuths,
-    elevations,
-    fold,
-    limits,
-    always,
-    share,
-    worst,
-):
+def sample_pattern(pattern, inclinations, nodes, moments, claim, share, worst):
     """Share of moments that keep a claim, and the largest dilution over its limit.
 
     Parameters
     ----------
-    raan, along
-        Nodes and arguments of latitude of the satellites at phase 0, rad, shape (n,).
+    pattern, claim
+        `Circles` and `Claim`.
     inclinations, nodes
         Of the candidates, shape (c,), rad: what is added to all nodes.
-    radius
-        Of the orbits, m.
     moments
         See `MOMENT`; shape (m, 14).
-    azimuths, elevations
-        Profile of the horizon, as `compass.core.clearance.bounds` takes it.
-    fold
-        Satellites wanted in view.
-    limits
-        Of GDOP, PDOP, HDOP, VDOP and TDOP, infinite where nothing is wanted; shape (5,).
-    always
-        Whether the first broken moment ends a candidate: its share is then 0, its worst infinite.
     share, worst
         Taken in and given back, shape (c,): a candidate of share 0 is not looked at; of a share
         and a worst known already the lesser and the greater are kept.
     """
-    n, m = raan.size, moments.shape[0]
+    n, m = pattern.raan.size, moments.shape[0]
     order = np.arange(m)
     p, q = np.empty((n, 3)), np.empty((n, 3))
     turned = np.empty(n)
@@ -70,15 +72,15 @@ def sample_pattern(
         if share[c] == 0.0:
             continue
         for s in range(n):
-            turned[s] = raan[s] + nodes[c]
-        circles(turned, along, inclinations[c], p, q)
+            turned[s] = pattern.raan[s] + nodes[c]
+        circles(turned, pattern.along, inclinations[c], p, q)
         kept, most = 0, 0.0
         for k in range(m):
-            over = _over(p, q, radius, moments[order[k]], azimuths, elevations, fold, limits)
+            over = _over(p, q, pattern.radius, moments[order[k]], claim)
             most = max(most, over)
             if over <= 1.0 + MERCY:
                 kept += 1
-            elif always:
+            elif claim.always:
                 last = order[k]
                 for j in range(k, 0, -1):
                     order[j] = order[j - 1]
@@ -89,8 +91,9 @@ def sample_pattern(
 
 
 @kernel
-def _over(p, q, radius, moment, azimuths, elevations, fold, limits):
+def _over(p, q, radius, moment, claim):
     """Largest dilution over its limit at a moment; 0 without limits, infinite below the fold."""
+    azimuths, elevations, limits = claim.azimuths, claim.elevations, claim.limits
     cx, sx = radius * moment[12], radius * moment[13]
     seen, lowest = 0, math.sin(elevations[0] - MERCY)
     xx = yy = zz = xy = xz = yz = 0.0
@@ -112,7 +115,7 @@ def _over(p, q, radius, moment, azimuths, elevations, fold, limits):
         x, y, z = x + east, y + north, z + up
         xx, yy, zz = xx + east * east, yy + north * north, zz + up * up
         xy, xz, yz = xy + east * north, xz + east * up, yz + north * up
-    if seen < fold:
+    if seen < claim.fold:
         return math.inf
     over = 0.0
     if limits.min() < math.inf:

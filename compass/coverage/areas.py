@@ -97,6 +97,12 @@ class Area:
         """Of the site, or the region's text."""
         return self.wanted.name
 
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """Errors that are told of it: those of who looks down have no bounds."""
+        level = self.wanted.mask is None or self.wanted.mask >= 0.0
+        return ERRORS[:3] if self.design.signal is not None and level else ()
+
     def over_horizons(self) -> tuple[Users, ...]:
         """Its users over horizons that stand for beams, where some do."""
         c, motion = self.design.constellation, self.design.motion
@@ -169,7 +175,32 @@ def areas_of(
     effort: Effort | None = None,
     near: Near | None = None,
 ) -> tuple[Area, ...]:
-    """Every site and region, in this order, to ask about; parameters as of `area_figures`."""
+    """Every site and region, in this order, to ask about.
+
+    For ever where that can be said of the place; else over the span.
+
+    Parameters
+    ----------
+    design
+        Its motion counts, and its mask; sites have the higher of it and their own horizon.
+    sites, regions
+        As of a requirement.
+    fold
+        Satellites wanted.
+    span, limited
+        Seconds after the epoch from and to which is looked where nothing can be said for ever, or
+        wherever it is `limited` to that.
+    mask, altitude, beam
+        Elevation mask instead of the design's, height of the users of regions above the figure,
+        metres, and half angle of the antennas, radians.
+    effort, near
+        How far to go; by default as near as `Near` says.
+
+    Raises
+    ------
+    ArgumentError
+        A region that cannot be read.
+    """
     asked = Requirement("", fold=fold, mask=mask, beam=beam)
     wanted = [replace(asked, name=site.name, sites=(site,)) for site in sites]
     wanted += [replace(asked, name=text, regions=(text,), altitude=altitude) for text in regions]
@@ -186,62 +217,15 @@ def areas_of(
 
 
 def area_figures(
-    design: Design,
-    *,
-    sites: Sequence[Site] = (),
-    regions: Sequence[str] = (),
-    fold: int,
-    pdop_max: float,
-    error_max: float,
-    span: tuple[float, float],
-    limited: bool = False,
-    mask: float | None = None,
-    altitude: float = 0.0,
-    beam: float | None = None,
-    effort: Effort | None = None,
-    near: Near | None = None,
+    areas: Sequence[Area], pdop_max: float, error_max: float
 ) -> tuple[AreaFigures, ...]:
-    """Figures of every site and region, in this order.
-
-    For ever where that can be said of the place; else over the span.
-
-    Parameters
-    ----------
-    design
-        Its motion counts, and its mask; sites have the higher of it and their own horizon.
-    sites, regions
-        As of a requirement.
-    fold, pdop_max, error_max
-        Satellites wanted, the largest PDOP that is good, and the largest error, m.
-    span, limited
-        Seconds after the epoch from and to which is looked where nothing can be said for ever, or
-        wherever it is `limited` to that.
-    mask, altitude, beam
-        Elevation mask instead of the design's, height of the users of regions above the figure,
-        metres, and half angle of the antennas, radians.
-    effort, near
-        How far to go; by default as near as `Near` says.
+    """Figures of every area: the share with a good PDOP, GDOP, the share with a good error, m.
 
     Raises
     ------
     ArgumentError
-        As `compass.coverage.requirement_verdict.verdict_of`, and a region that cannot be read.
+        As `compass.coverage.requirement_verdict.verdict_of`.
     """
-    areas = areas_of(
-        design,
-        sites=sites,
-        regions=regions,
-        fold=fold,
-        span=span,
-        limited=limited,
-        mask=mask,
-        altitude=altitude,
-        beam=beam,
-        effort=effort,
-        near=near,
-    )
-    level = mask is None or mask >= 0.0  # errors of who looks down have no bounds
-    names = ERRORS[:3] if design.signal is not None and level else ()
     return tuple(
         AreaFigures(
             area.name,
@@ -251,7 +235,7 @@ def area_figures(
             area.share("pdop", pdop_max),
             area.gdop(PERCENTS),
             error_max,
-            {name: area.share(name, error_max) for name in names},
+            {name: area.share(name, error_max) for name in area.errors},
         )
         for area in areas
     )

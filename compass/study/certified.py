@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from compass.cores import cores
-from compass.coverage.areas import AreaFigures, area_figures
+from compass.coverage.areas import AreaFigures, area_figures, areas_of
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.coverage.region import GLOBE
@@ -103,13 +103,11 @@ def certified_areas(
     period = repeat_period(design.constellation).duration if hours is None else hours * 3600.0
     if asked.motion.table is not None:  # no table is asked beyond its end
         period = min(period, asked.motion.table.stop - since)
-    return area_figures(
+    areas = areas_of(
         asked,
         sites=sites,
         regions=regions,
         fold=design.fold if options.fold is None else options.fold,
-        pdop_max=options.pdop_max,
-        error_max=options.error_max_m,
         span=(since, since + period),
         limited=bool(since) or hours is not None,
         mask=None if options.mask_deg is None else option_mask(options.mask_deg, high).highest,
@@ -117,6 +115,7 @@ def certified_areas(
         beam=_beam(options),
         effort=effort or Effort(workers=cores()),
     )
+    return area_figures(areas, options.pdop_max, options.error_max_m)
 
 
 def _beam(options: MapOptions) -> float | None:

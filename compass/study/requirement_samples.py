@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
-from compass.core.pattern_samples import sample_pattern
+from compass.core.pattern_samples import Circles, Claim, sample_pattern
 from compass.coverage.certified_question import DOPS
 from compass.coverage.certified_ranges import ERROR_DOPS, Ranges, sigma_allowed
 from compass.coverage.samples import points_in, stand
@@ -77,26 +77,14 @@ class Moments:
         share, worst
             Of the candidates so far, shape (k,): those of share 0 are not looked at.
         """
-        limits = self._limits()
         mask = self.users.mask
         azimuths, elevations = np.array(mask.azimuth), np.array(mask.elevation)
         if mask.is_constant:
             azimuths, elevations = azimuths[:1], elevations[:1]
-        sample_pattern(
-            c.raan,
-            c.mean_anomaly,
-            inclinations,
-            nodes,
-            float(c.semi_major_axis[0]),
-            self.rows,
-            azimuths,
-            elevations,
-            self.fold,
-            limits,
-            self.wanted.share == 1.0,
-            share,
-            worst,
-        )
+        pattern = Circles(c.raan, c.mean_anomaly, float(c.semi_major_axis[0]))
+        always = self.wanted.share == 1.0
+        claim = Claim(azimuths, elevations, self.fold, self._limits(), always)
+        sample_pattern(pattern, inclinations, nodes, self.rows, claim, share, worst)
 
     def _limits(self) -> NDArray[np.float64]:
         """Largest dilutions allowed; of errors what they must stay below if every range is best."""

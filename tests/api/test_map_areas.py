@@ -45,8 +45,8 @@ def told(monkeypatch):
 
 
 def figures(d, **options):
-    options = {"fold": 1, "pdop_max": 6.0, "error_max": 30.0, "span": (0.0, 9e4)} | options
-    return module.area_figures(d, **options)
+    areas = module.areas_of(d, **({"fold": 1, "span": (0.0, 9e4)} | options))
+    return module.area_figures(areas, 6.0, 30.0)
 
 
 def test_sites_and_regions_are_asked_where_they_are(told):
