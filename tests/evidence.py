@@ -3,7 +3,7 @@
 import re
 
 #: Names of shares and percentiles: of values, not of what was asked or of what knows them.
-NAMED = re.compile(r"(^|_)(share|availability|fraction|p\d\d?|within_3_sigma)(_|$)")
+NAMED = re.compile(r"(^|_)(share|availability|fraction|p\d\d?|median|within_3_sigma)(_|$)")
 BESIDE = ("_bracket", "_interval", "_sampling", "_error")
 
 

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from compass.quantities.draws import mean_of, percentiles, quantile_bounds, share_bounds
+from compass.quantities.draws import (
+    mean_of,
+    median_bounds,
+    percentiles,
+    quantile_bounds,
+    share_bounds,
+)
 
 
 @pytest.mark.parametrize("draw", [np.random.Generator.normal, np.random.Generator.standard_cauchy])
@@ -59,3 +65,35 @@ def test_bounds_of_a_mean_hold_and_come_near():
     # of values of one spread the normal law has 2 * 1.96 * sigma / sqrt(n), the bound some more
     assert held >= 285 and max(width) < 2.5 * 3.92 * np.sqrt(12 * 0.24 / 2000)
     assert mean_of("m", np.array([3]), 5) == {"m": 3.0, "m_interval": [0.0, 5.0]}
+
+
+def counted(rng, entries):
+    """Numbers at the moments of entries that hardly change within one, which are of any length."""
+    lengths = rng.integers(5, 31, entries)
+    level = rng.binomial(8, np.where(lengths > 20, 0.65, 0.4))
+    numbers = np.repeat(level, lengths) + rng.integers(-1, 2, lengths.sum())
+    return np.bincount(np.clip(numbers, 0, 9), minlength=10), int(lengths.max())
+
+
+def test_bounds_of_a_median_over_moments_hold_though_those_of_an_entry_are_alike():
+    rng = np.random.default_rng(8)
+    whole, _ = counted(rng, 400_000)
+    share = whole.cumsum() / whole.sum()
+    true = int((share < 0.5).sum())
+    assert abs(share[true - 1] - 0.5) > 0.01 < abs(share[true] - 0.5)  # it is known for sure
+    found = np.array([median_bounds(counts, 100, longest)
+                      for counts, longest in (counted(rng, 100) for _ in range(400))])  # fmt: skip
+    low, high = found.T
+    assert ((low <= true) & (true <= high)).mean() >= 0.95
+    assert (high - low).mean() < 3 and low.max() > low.min()
+    # as if all moments were independent they would not
+    blind = np.array([quantile_bounds(np.repeat(np.arange(10), counts), 50)
+                      for counts, _ in (counted(rng, 100) for _ in range(400))])  # fmt: skip
+    assert ((blind[:, 0] <= true) & (true <= blind[:, 1])).mean() < 0.9
+
+
+def test_bounds_of_a_median_of_single_moments_are_those_of_draws():
+    for counts in ([3, 0, 40, 57], [0, 0, 100, 0], [10, 45, 3, 42]):
+        numbers = np.repeat(np.arange(4.0), counts)
+        assert median_bounds(np.array(counts), 100, 1) == quantile_bounds(numbers, 50)
+    assert median_bounds(np.array([0, 1, 0, 0, 0]), 1, 1) == (0.0, 4.0)  # all that is possible

@@ -6,9 +6,9 @@ import numpy as np
 
 from compass.api.map_statistics import ROVER
 from compass.coverage.errors import ERRORS
-from compass.coverage.fix_budget import STEP_DEG
+from compass.coverage.fix_budget import PARTS
 from compass.coverage.protection import LEVELS
-from compass.document import Bracket, Interval, Sentence, Table, Value
+from compass.document import Bracket, Interval, Sentence, Table
 from compass.document.blocks import facts
 from compass.quantities import quantity
 from compass.signal.budget import basis
@@ -123,28 +123,26 @@ def budget_blocks(result: "MapResult") -> tuple[Table | Sentence, ...]:
     if budget is None:
         return ()
     made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
-    parts = [part for part in budget["range_parts"] if any(one[part] for one in made_of)]
+    parts = [part for part in PARTS if any(one[part] for one in made_of)]
     share, factor = quantity("part_share"), quantity("geometry_factor")
     percentiles = [f"p{q}" for q in result.made.dataset.global_percentile.values.tolist()]
     header = ("", *(f"{part}, %" for part in parts), *(f"geometry, {p}" for p in percentiles))
-    of_range = (Value(share, budget["range_parts"][part]) for part in parts)
-    rows: list[tuple[Any, ...]] = [
-        ("a range", *of_range, *(Value(factor, 1.0) for _ in percentiles))
-    ]
+    of_range = (result.value(share, budget["range_parts"], part) for part in parts)
+    rows: list[tuple[Any, ...]] = [("a range", *of_range, *("" for _ in percentiles))]
     for name in ERRORS:
         one = budget[name]
-        each = (Value(share, one["parts"][part]) for part in parts)
+        each = (result.value(share, one["parts"], part) for part in parts)
         times = (result.value(factor, one["geometry"], p) for p in percentiles)
         rows.append((quantity(name).title, *each, *times))
-    sigma = Value(quantity("range_error_m"), budget["range_error_m"])
+    sigma = result.value(quantity("range_error_m"), budget, "range_error_m")
     return (
         Table("What a fix is made of: parts of its variance, geometry", header, tuple(rows)),
         Sentence(
-            f"ranges in fixes have an error of {sigma} m (one sigma, root mean square), and "
-            "geometry makes the errors of fixes so many times that, at each percentile; that "
-            f"error and parts are means over area and time, sampled on cells {STEP_DEG:g} deg "
-            "wide at the map's epochs or some of them, error not known; where orbit and clock "
-            "are correlated they share what they make together as their own variances stand"
+            f"half of the ranges of fixes have an error of {sigma} m or less (one sigma), and "
+            "geometry makes the errors of fixes so many times that, at each percentile; parts are "
+            "means over fixes, and of a range over those of each; where orbit and clock are "
+            "correlated they share what they make together as their own variances stand; "
+            f"{sigma.evidence}, or some of them"
         ),
     )
 

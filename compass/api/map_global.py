@@ -10,6 +10,7 @@ import numpy as np
 
 from compass.api.map_statistics import PROTECTED, after_each_loss
 from compass.coverage.drawn import Drawn
+from compass.coverage.fix_budget import PARTS
 from compass.document import Bracket, Interval
 
 if TYPE_CHECKING:
@@ -26,14 +27,14 @@ def with_global(
 
     Beside each stand ``..._low`` and ``..._high``; where no bounds are known these are nan.
     """
-    import xarray as xr
-
     copy = dataset.copy()
+    if "fix_budget" in numbers:
+        copy.coords["part"] = list(PARTS)
     for name, places in _places(dataset, numbers).items():
         own, about = name.replace("global_", "cells_"), _ABOUT.get(name, {})
-        like = dataset.get(own, xr.DataArray(0.0))
-        about = like.attrs | about
+        dims = tuple(dataset[own].dims) if own in dataset else _DIMS.get(name, ())
         if own in dataset:
+            about = dataset[own].attrs | about
             said = f"{about['long_name']}, of cells and epochs"
             copy[own] = copy[own].assign_attrs(long_name=said)
         known = [_known(*place) for place in places]
@@ -41,7 +42,7 @@ def with_global(
             said = f"{_ENDS[end]}{about['long_name']}"
             evidence = _evidence(known)
             copy[name + end] = (
-                like.dims, np.array(values, dtype=float).reshape(like.shape),
+                dims, np.array(values, dtype=float).reshape([copy.sizes[dim] for dim in dims]),
                 about | {"long_name": said, "evidence": evidence},
             )  # fmt: skip
     return copy if drawn is None or not drawn.left else _with_losses(copy, drawn)
@@ -53,7 +54,17 @@ _ABOUT: dict[str, dict[str, str]] = {
     "global_dop": {"long_name": "percentile over area and time"},
     "global_count_min": {"units": "1", "long_name": "fewest satellites in view anywhere"},
     "global_count_max": {"units": "1", "long_name": "most satellites in view anywhere"},
-}
+    "global_range_error": {
+        "units": "m", "long_name": "median error of the ranges of fixes, one sigma"
+    },
+    "global_range_part": {
+        "units": "1", "long_name": "share of the variance of the ranges of fixes, mean"
+    },
+    "global_fix_part": {"units": "1", "long_name": "share of the variance of fixes, mean"},
+}  # fmt: skip
+
+#: Of those that no cells tell.
+_DIMS = {"global_range_part": ("part",), "global_fix_part": ("error", "part")}
 
 
 def _places(dataset: "xr.Dataset", numbers: dict[str, Any]) -> dict[str, list[Place]]:
@@ -72,14 +83,21 @@ def _places(dataset: "xr.Dataset", numbers: dict[str, Any]) -> dict[str, list[Pl
         "global_count_max": [(numbers["count"], "max")],
         "global_availability": [(numbers, "availability")],
     }
-    if "global_error" in dataset:
+    if "cells_error" in dataset:
         errors = dataset.error.values.tolist()
         places |= {
             "global_error": ranks(errors),
             "global_error_share": [(numbers[name], "share") for name in errors],
             "global_fix_share": [(numbers, "fix_share")],
         }
-    if "global_protection" in dataset:
+    if (budget := numbers.get("fix_budget")) is not None:
+        made_of = [budget[name]["parts"] for name in dataset.error.values.tolist()]
+        places |= {
+            "global_range_error": [(budget, "range_error_m")],
+            "global_range_part": [(budget["range_parts"], part) for part in PARTS],
+            "global_fix_part": [(own, part) for own in made_of for part in PARTS],
+        }
+    if "cells_protection" in dataset:
         named = {protected: name for name, protected in PROTECTED.items()}
         places |= {
             "global_protection": ranks(dataset.level.values.tolist()),

@@ -3,9 +3,19 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.coverage.drawn import Drawn
-from compass.quantities.draws import mean_of, percentiles, share_of
+from compass.coverage.errors import ERRORS
+from compass.coverage.fix_budget import PARTS
+from compass.quantities.draws import (
+    CONFIDENCE,
+    mean_of,
+    percentiles,
+    quantile_bounds,
+    share_of,
+)
+from compass.quantities.percentile import percentile
 from compass.ranging import FACTOR_95
 from compass.words import counted
 
@@ -112,27 +122,44 @@ def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[
         found[most] = FACTOR_95 * of_rover["p95"]
         if "p95_interval" in of_rover:
             found[f"{most}_interval"] = [FACTOR_95 * end for end in of_rover["p95_interval"]]
-    return found | no_fix(dataset, drawn) | _budget(dataset, found) | {"error_limit_m": limit}
+    return found | no_fix(drawn) | _budget(dataset, drawn) | {"error_limit_m": limit}
 
 
-def _budget(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
-    """What a fix is made of: the range's error, its parts, and by how much geometry enlarges it."""
-    parts = dataset.part.values.tolist()
-    if not np.isfinite(sigma := float(dataset.range_error_rms)):
+def _budget(dataset: "xr.Dataset", drawn: Drawn | None) -> dict[str, Any]:
+    """What a fix is made of: the range's error, its parts, and by how much geometry enlarges it.
+
+    Geometry of a percentile is its ratio to the median error of a range: bounds of both, each wrong
+    in half as many cases as others, leave it bounds that hold as others do.
+    """
+    made = drawn.budget if drawn else None
+    if drawn is None or made is None or not made.range_error.size:
         return {}
-    by_error = {}
-    for name in dataset.error.values.tolist():
-        of = dataset.sel(error=name)
-        by_error[name] = {
-            "parts": dict(zip(parts, of.fix_part.values.tolist(), strict=True)),
-            "geometry": {
-                key: [end / sigma for end in value] if isinstance(value, list) else value / sigma
-                for key, value in found[name].items()
-                if key.startswith("p")
-            },
+    tail = 0.25 * (1.0 - CONFIDENCE)
+    known = percentiles(made.range_error, (50,))
+    sigma, (low, high) = known["p50"], quantile_bounds(made.range_error, 50, tail)
+    nearest = 1.0 / low if low > 0.0 else np.inf  # so few fixes leave no bound
+
+    def geometry(values: NDArray[np.float64]) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for q in _percents(dataset):
+            least, most = quantile_bounds(values, q, tail)
+            found[f"p{q}"] = float(percentile(values, q)) / sigma
+            found[f"p{q}_interval"] = [max(least, 0.0) / high, most * nearest]
+        return found
+
+    def parts(shares: NDArray[np.float64]) -> dict[str, Any]:
+        return {
+            key: value
+            for part, own in zip(PARTS, shares.T, strict=True)
+            for key, value in mean_of(part, own, 1.0).items()
         }
-    of_range = dict(zip(parts, dataset.range_part.values.tolist(), strict=True))
-    return {"fix_budget": {"range_error_m": sigma, "range_parts": of_range, **by_error}}
+
+    by_error = {
+        name: {"parts": parts(made.of_fixes[:, k]), "geometry": geometry(drawn.values[name])}
+        for k, name in enumerate(ERRORS)
+    }
+    sizes = {"range_error_m": known["p50"], "range_error_m_interval": known["p50_interval"]}
+    return {"fix_budget": {**sizes, "range_parts": parts(made.of_ranges), **by_error}}
 
 
 def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
@@ -160,27 +187,18 @@ def in_view_share(dataset: "xr.Dataset", count: int) -> float:
     return float(shares[count]) if count < shares.size else 0.0
 
 
-def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+def no_fix(drawn: Drawn | None) -> dict[str, Any]:
     """Share of area and time with a fix, and why there is none in the rest, as of `statistics`."""
-    if drawn and len(drawn.satellites) < 4:
+    if drawn is None or len(drawn.satellites) < 4:
         nowhere = ("fix_share", "singular_share", "masked_share")
         known = dict.fromkeys(nowhere, 0.0) | {"fewer_than_four_share": 1.0}
         return known | {f"{name}_bracket": [share, share] for name, share in known.items()}
-    if drawn:
-        fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
-        return {
-            **share_of("fix_share", fixed),
-            **share_of("fewer_than_four_share", ~four),
-            **share_of("singular_share", four & ~fixed),
-            **share_of("masked_share", ~four & (drawn.risen >= 4)),
-        }
-    masked, plain = dataset.four_in_view.values.tolist()
-    fix_share, in_view = float(dataset.cells_fix_share), in_view_share(dataset, 4)
+    fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
     return {
-        "fix_share": fix_share,
-        "fewer_than_four_share": 1.0 - in_view,
-        "singular_share": max(in_view - fix_share, 0.0),
-        "masked_share": plain - masked,
+        **share_of("fix_share", fixed),
+        **share_of("fewer_than_four_share", ~four),
+        **share_of("singular_share", four & ~fixed),
+        **share_of("masked_share", ~four & (drawn.risen >= 4)),
     }
 
 

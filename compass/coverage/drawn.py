@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from compass.cores import shared
 from compass.coverage.errors import ERRORS
+from compass.coverage.fix_budget import FixBudget, fix_budget
 from compass.coverage.grid import latitude_of_area
 from compass.coverage.moving import (
     Mover,
     Sights,
     dilutions_along,
     fix_errors,
+    heard_by,
     metre_ranges,
     ranges_at,
     seen_along,
@@ -39,6 +41,9 @@ Array = NDArray[np.float64]
 
 #: Places and moments; sights of satellites in all at most, and in one piece of work.
 DRAWS, MOST_SIGHTS, PIECE = 65_536, 4_000_000, 100_000
+
+#: Sights of satellites, by about so many, that the budget of fixes is made of.
+BUDGET_SIGHTS = 300_000
 
 #: Satellites from which there are protection levels.
 FEWEST = 5
@@ -62,6 +67,8 @@ class Drawn:
         ``vertical`` or ``both`` are within the alert limits, shape (t,) each.
     left
         The same without each satellite in turn, shape (t, n) each; empty if that was not asked.
+    budget
+        What fixes are made of, of some of them; None if that was not asked, or without a signal.
     """
 
     satellites: tuple[str, ...]
@@ -70,6 +77,7 @@ class Drawn:
     values: dict[str, Array]
     protected: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
     left: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    budget: FixBudget | None = None
 
     @classmethod
     def joined(cls, parts: Sequence["Drawn"]) -> "Drawn":
@@ -78,6 +86,7 @@ class Drawn:
         def named(each: Sequence[dict[str, Any]]) -> dict[str, Any]:
             return {name: np.concatenate([one[name] for one in each]) for name in each[0]}
 
+        budgets = [part.budget for part in parts if part.budget is not None]
         return cls(
             parts[0].satellites,
             np.concatenate([part.count for part in parts]),
@@ -85,6 +94,7 @@ class Drawn:
             named([part.values for part in parts]),
             named([part.protected for part in parts]),
             named([part.left for part in parts]),
+            FixBudget.joined(budgets) if budgets else None,
         )
 
     @property
@@ -100,6 +110,7 @@ def drawn(
     users: Users | None = None,
     weights: Weighting = "variance",
     losses: bool = False,
+    budget: bool = False,
     draws: int | None = None,
     seed: int = 0,
 ) -> Drawn:
@@ -117,6 +128,8 @@ def drawn(
         How fixes weigh ranges.
     losses
         Whether to look at protection without each satellite in turn, too.
+    budget
+        Whether to look at what fixes are made of, too.
     draws, seed
         How many, `DRAWS` if left out; fewer of many satellites. The same seed draws the same.
     """
@@ -129,12 +142,14 @@ def drawn(
     everyone = users or region_users(GLOBE, figure, design.mask)
     places = stand(everyone, latitude, axes[:, 2])
     step = max(1, PIECE // max(size, 1)) if design.motion.is_closed_form else draws
+    # below 1: of whom the budget is looked at, and of which of his ranges
+    chance = g.random(draws) * max(1.0, draws * size / BUDGET_SIGHTS) + (not budget)
     parts = []
     for k in range(0, draws, step):
         piece = slice(k, k + step)
         some = Mover("", places[piece], axes[piece], everyone.mask)
         given = design, some, times[piece], everyone.beam, weights
-        parts.append(_numbers(*given, losses=losses))
+        parts.append(_numbers(*given, losses=losses, chance=chance[piece]))
     return Drawn.joined(parts)
 
 
@@ -146,8 +161,9 @@ def _numbers(
     weights: Weighting,
     *,
     losses: bool,
+    chance: Array,
 ) -> Drawn:
-    """All numbers of one user a moment."""
+    """All numbers of one user a moment; the budget of those whose chance is below 1."""
     names, motion = design.constellation.satellite_names, design.motion
     r, seen, around = seen_along(design, users, times, motion, beam)
     count, risen = seen.sum(axis=1), _risen(design, users, times, beam)
@@ -157,15 +173,32 @@ def _numbers(
         return Drawn(names, count, risen, values)
     sights = replace(sights, ranges=ranges_at(design, times, motion, weights))
     values |= dict(zip(ERRORS, fix_errors(design, users, sights).T, strict=True))
+    budget = _budget(design, users, sights, chance)
     if design.integrity is None or len(names) < FEWEST:
-        return Drawn(names, count, risen, values)
+        return Drawn(names, count, risen, values, budget=budget)
     levels, able = levels_along(design, users, sights)
     protected, left = _protected(design, levels, able), dict[str, NDArray[np.bool_]]()
     if losses:
         without = partial(_without, design, users, sights)
         each = list(shared(without, range(len(names))))
         left = {name: np.stack([one[name] for one in each], axis=1) for name in SHARES}
-    return Drawn(names, count, risen, values | levels, protected, left)
+    return Drawn(names, count, risen, values | levels, protected, left, budget)
+
+
+def _budget(design: Design, users: Mover, sights: Sights, chance: Array) -> FixBudget | None:
+    """What fixes are made of, of those users whose chance is below 1; None of no user."""
+    some = chance < 1.0
+    if not some.any():
+        return None
+    ranges = heard_by(users, sights)
+    return fix_budget(
+        sights.r[some],
+        sights.seen[some],
+        ranges._replace(q=ranges.q[some], sun=ranges.sun[some]),
+        users.r[some] / design.figure.equatorial_radius,
+        users.axes[some, 2],
+        chance[some],
+    )
 
 
 def _risen(design: Design, users: Mover, times: Array, beam: float | None) -> NDArray[np.int64]:

@@ -1,54 +1,50 @@
 """The budget of a fix: how much of its error each part of the ranges' errors makes."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core import error
-from compass.core.runs import HIGH, OUT, UP_OUT, UP_Z
-from compass.coverage.errors import ERRORS
-from compass.coverage.grid import make_grid
-from compass.coverage.view import View
-from compass.design import Design
-from compass.frames import east_north_up
+from compass.core.error import Ranges
 from compass.signal.budget import TERMS
-from compass.signal.ranges import RangeErrors
 
 Array = NDArray[np.float64]
 
 #: Parts of a fix's variance, in order: those of ranges, and what all satellites share.
 PARTS = (*TERMS, "shared")
 
-#: Cells of the sample of users, degrees, and the most ranges that are looked at.
-STEP_DEG, MOST_RANGES = 10.0, 300_000
-
 
 @dataclass(frozen=True)
 class FixBudget:
-    """What fixes are made of, over a sample of users and moments.
+    """What k fixes of users at random places and moments are made of.
 
     Attributes
     ----------
     range_error
-        Root mean square error of the ranges that fixes are made of, m, one sigma.
-    range_shares
-        Of the mean variance of those ranges, of `PARTS`, shape (5,).
-    shares
-        Mean share of the variance of fixes, shape (error, 5), in the order of `ERRORS`.
-    four, four_unmasked
-        Share of area and time with four satellites in view, and with four above the plain horizon.
+        Of one range of each, any of them by the same chance, m, one sigma, shape (k,).
+    of_ranges
+        Of `PARTS` the share of a range's variance, mean over the ranges of each, shape (k, 5).
+    of_fixes
+        And of the variance of each, shape (k, error, 5), in the order of errors.
     """
 
-    range_error: float
-    range_shares: Array
-    shares: Array
-    four: float
-    four_unmasked: float
+    range_error: Array
+    of_ranges: Array
+    of_fixes: Array
+
+    @classmethod
+    def joined(cls, parts: Sequence["FixBudget"]) -> "FixBudget":
+        """Fixes of all parts together."""
+        names = (field.name for field in fields(cls))
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
-def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
-    """Split the errors of fixes over Mars by their sources, in the mean over area and time.
+def fix_budget(
+    r: Array, seen: NDArray[np.bool_], ranges: Ranges, places: Array, ups: Array, chance: Array
+) -> FixBudget:
+    """Split the errors of fixes by their sources.
 
     With ``x = S z``, S the least-squares solution and z the ranges, the fix's covariance
     ``S R S'`` is a sum over the parts of R: every part keeps its own share, whatever the geometry.
@@ -57,85 +53,53 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
 
     Parameters
     ----------
-    design
-        With a signal.
-    seen, ranges
-        The satellites and the errors of their ranges at the same epochs.
-
-    Returns
-    -------
-    FixBudget
-        Nan where there is no fix at all.
+    r, seen, ranges, places, ups
+        As of `variances_by_part`.
+    chance
+        Numbers in [0, 1) by which a range of each fix is chosen, shape (t,).
     """
-    places, ups = _users(design, seen.height)
-    skip = max(1, int(np.ceil(len(places) * seen.r[..., 0].size / MOST_RANGES)))
-    epochs = slice(None, None, skip)
-    variances, fixed, heard, kept, risen = variances_by_part(
-        seen.r[epochs], seen, RangeErrors(ranges.forms[epochs], ranges.sun[epochs], ranges.lit,
-                                          ranges.numbers), places, ups,
-    )  # fmt: skip
-    fours = float((kept.sum(axis=2) >= 4).mean()), float((risen.sum(axis=2) >= 4).mean())
-    if not fixed.any():
-        none = np.full((1 + len(ERRORS), len(PARTS)), np.nan)
-        return FixBudget(np.nan, none[0], none[1:], *fours)
-    shares = variances[fixed] / variances[fixed].sum(axis=2, keepdims=True)
-    of_ranges = heard[kept & fixed[..., None]].mean(axis=0)
-    total = of_ranges.sum()
-    return FixBudget(float(np.sqrt(total)), of_ranges / total, shares.mean(axis=0), *fours)
-
-
-def _users(design: Design, height: float) -> tuple[Array, Array]:
-    """Places at a height, in units of the equatorial radius, and up; each of the same area."""
-    figure = design.figure
-    grid = make_grid("equal-area", STEP_DEG, figure.polar_radius / figure.equatorial_radius)
-    longitude = np.repeat(grid.longitude, grid.rows)[:, None]
-    around = np.cos(longitude), np.sin(longitude), np.ones_like(longitude)
-    row = np.tile(grid.places, (grid.columns, 1))
-    places, ups = (
-        np.hstack(around) * row[:, columns]
-        for columns in ([OUT, OUT, HIGH], [UP_OUT, UP_OUT, UP_Z])
+    variances, fixed, heard = variances_by_part(r, seen, ranges, places, ups)
+    variances, heard, seen = variances[fixed], heard[fixed], seen[fixed]
+    count = seen.sum(axis=1)
+    total = heard.sum(axis=2)
+    mean = (heard / total[..., None] * seen[..., None]).sum(axis=1) / count[:, None]
+    chosen = (seen.cumsum(axis=1) > (chance[fixed] * count).astype(int)[:, None]).argmax(axis=1)
+    return FixBudget(
+        np.sqrt(total[np.arange(count.size), chosen]),
+        mean,
+        variances / variances.sum(axis=2, keepdims=True),
     )
-    return places + height * ups, ups
 
 
 def variances_by_part(
-    r: Array, seen: View, ranges: RangeErrors, places: Array, ups: Array
-) -> tuple[Array, NDArray[np.bool_], Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Variances of fixes by error and part, m^2; which are fixes; those of ranges; who is in view.
-
-    And who has risen above the plain horizon, or a mask below it, whatever a mask above it.
+    r: Array, seen: NDArray[np.bool_], ranges: Ranges, places: Array, ups: Array
+) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Variances of fixes by error and part, m^2; which are fixes; and those of ranges.
 
     Parameters
     ----------
-    r
-        Satellites, Mars-fixed, in units of the equatorial radius, shape (t, n, 3).
-    seen
-        Whose mask and beam count.
+    r, seen
+        Satellites, Mars-fixed, in units of the equatorial radius, shape (t, n, 3), and which are
+        in view, shape (t, n).
     ranges
-        At these epochs.
+        At these moments.
     places, ups
-        Users, in the same units, and their unit vectors up, shape (u, 3).
+        The user of each moment, in the same units, and its unit vector up, shape (t, 3).
 
     Returns
     -------
-    variances, fixed, heard, in_view, risen
-        Shapes (t, u, 4, 5), (t, u), (t, u, n, 5), (t, u, n), (t, u, n).
+    variances, fixed, heard
+        Shapes (t, 4, 5), (t,), (t, n, 5).
     """
     numbers = ranges.numbers
-    line = r[:, None] - places[None, :, None]
+    line = r - places[:, None]
     d = np.linalg.norm(line, axis=-1)
     u = line / d[..., None]
-    sine = np.einsum("tuni,ui->tun", u, ups)
-    mask = np.sin(_mask(seen, u, ups))
-    in_view, risen = sine >= mask, sine >= np.minimum(mask, 0.0)
-    if seen.beam is not None:
-        down = np.einsum("tuni,tni->tun", u, r) / np.linalg.norm(r, axis=-1)[:, None]
-        lit_by = down >= np.cos(seen.beam)
-        in_view, risen = in_view & lit_by, risen & lit_by
+    sine = np.einsum("tni,ti->tn", u, ups)
     heard = np.zeros((*sine.shape, len(PARTS)))
-    q = ranges.forms[:, None]
+    q = ranges.q
     ux, uy, uz = np.moveaxis(u, -1, 0)
-    clock = np.broadcast_to(q[..., 9], sine.shape)
+    clock = q[..., 9]
     orbit = q[..., 0] * ux**2 + q[..., 1] * uy**2 + q[..., 2] * uz**2
     orbit += 2.0 * (q[..., 3] * ux * uy + q[..., 4] * ux * uz + q[..., 5] * uy * uz)
     together = orbit + clock + 2.0 * (ux * q[..., 6] + uy * q[..., 7] + uz * q[..., 8])
@@ -145,31 +109,22 @@ def variances_by_part(
     noise = numbers[error.NOISE] + numbers[error.ZENITH] / above
     heard[..., 2] = noise**2 + d**2 * (numbers[error.LOOP] + numbers[error.LOOP2] * d**2)
     if numbers[error.DELAY2]:
-        noon = np.einsum("ti,ui->tu", ranges.sun, ups)
+        noon = np.einsum("ti,ti->t", ranges.sun, ups)
         lit = np.interp(noon, np.linspace(-1.0, 1.0, ranges.lit.size), ranges.lit)
         slant = 1.0 - numbers[error.SHELL2] * (1.0 - sine**2)
-        heard[..., 3] = numbers[error.DELAY2] * lit[..., None] / slant
+        heard[..., 3] = numbers[error.DELAY2] * lit[:, None] / slant
     total = heard.sum(axis=-1)
-    weight = np.where(in_view, 1.0 if numbers[error.EQUAL] else 1.0 / total, 0.0)
+    weight = np.where(seen, 1.0 if numbers[error.EQUAL] else 1.0 / total, 0.0)
     rows = np.concatenate([-u, np.ones((*sine.shape, 1))], axis=-1)
-    normal = np.einsum("tun,tuni,tunj->tuij", weight, rows, rows)
-    fixed = (in_view.sum(axis=2) >= 4) & (np.linalg.cond(normal) < 1e12)
+    normal = np.einsum("tn,tni,tnj->tij", weight, rows, rows)
+    fixed = (seen.sum(axis=1) >= 4) & (np.linalg.cond(normal) < 1e12)
     normal[~fixed] = np.eye(4)
-    solved = np.einsum("tuij,tunj,tun->tuni", np.linalg.inv(normal), rows, weight)
-    height = np.einsum("tuni,ui->tun", solved[..., :3], ups) ** 2
+    solved = np.einsum("tij,tnj,tn->tni", np.linalg.inv(normal), rows, weight)
+    height = np.einsum("tni,ti->tn", solved[..., :3], ups) ** 2
     whole = (solved[..., :3] ** 2).sum(axis=-1)
-    gains = np.stack([whole - height, height, whole, solved[..., 3] ** 2], axis=2)
-    variances = np.einsum("tuen,tunp->tuep", gains, heard)
+    gains = np.stack([whole - height, height, whole, solved[..., 3] ** 2], axis=1)
+    variances = np.einsum("ten,tnp->tep", gains, heard)
     variances[..., 4] = np.array(
         [2.0 * numbers[error.SHARED], 0.0, 2.0 * numbers[error.SHARED], numbers[error.SHARED_TIME]]
     )
-    return variances, fixed, heard, in_view, risen
-
-
-def _mask(seen: View, u: Array, ups: Array) -> Array:
-    """Elevation of the horizon under each line of sight, rad."""
-    if seen.elevations.size == 1:
-        return np.broadcast_to(seen.elevations[0], u.shape[:3])
-    axes = east_north_up(np.arcsin(ups[:, 2]), np.arctan2(ups[:, 1], ups[:, 0]))
-    azimuth = np.arctan2(*(np.einsum("tuni,ui->tun", u, axes[:, k]) for k in (0, 1)))
-    return np.interp(azimuth, seen.azimuths, seen.elevations, period=2.0 * np.pi)
+    return variances, fixed, heard

@@ -97,6 +97,11 @@ class Campaign:
         return int(self.stops.size)
 
     @property
+    def longest(self) -> int:
+        """Epochs of the longest entry, its deployment's with them."""
+        return int(self.stops.max(initial=0)) + 1
+
+    @property
     def unknown_names(self) -> list[str]:
         """What is not known beside the first state, one a component of u behind its six."""
         density, lift = np.abs(self.spreads[0, 6:, 6:]).sum(axis=1)

@@ -7,6 +7,7 @@ from compass.api.map_errors import budget_blocks, error_table, error_words, prot
 from compass.api.map_result import MapResult
 from compass.api.series import SeriesResult
 from compass.api.show_signal import signal_blocks, signal_facts
+from compass.coverage.fix_budget import PARTS
 from compass.design import Design
 from compass.document.blocks import Block, Picture, Section, Sentence, Verdict
 from compass.pages.coverage import percentile_map
@@ -96,9 +97,8 @@ def fix_budget_picture(mapped: MapResult) -> list[Picture]:
     budget = mapped.errors.get("fix_budget")
     if budget is None:
         return []
-    dataset, sigma = mapped.dataset, budget["range_error_m"]
-    parts = [str(part) for part in dataset.part.values]
-    bars = [("one range", sigma, budget["range_parts"], 1.0)]
+    sigma = budget["range_error_m"]
+    bars = [("one range,\n50 % below", sigma, budget["range_parts"], 1.0)]
     for name, percent in BARS:
         size = mapped.errors[name][f"p{percent}"]
         label = f"{quantity(name).title.removesuffix(' error')},\n{percent} % below"
@@ -108,7 +108,7 @@ def fix_budget_picture(mapped: MapResult) -> list[Picture]:
     with look():
         figure = new_figure(8.0, 3.8)
         axes = figure.add_subplot()
-        for colour, part in zip(CYCLE, parts, strict=False):
+        for colour, part in zip(CYCLE, PARTS, strict=False):
             high = np.array([size * max(shares[part], 0.0) for _, size, shares, _ in bars])
             if high.any():
                 axes.bar(range(len(bars)), high, 0.7, base, color=colour, label=part)

@@ -50,6 +50,44 @@ def mean_of(name: str, values: NDArray[Any], most: float) -> dict[str, Any]:
     return {name: mean, f"{name}_interval": [max(mean - off, 0.0), min(mean + off, most)]}
 
 
+def median_of(
+    name: str, counts: NDArray[np.int64], draws: int, longest: int
+) -> dict[str, float | list[float]]:
+    """Median of a number over all moments of the draws, by its name, with its bounds beside it."""
+    ends = median_bounds(counts, draws, longest)
+    return {name: float(median_number(counts)), f"{name}_interval": list(ends)}
+
+
+def median_number(counts: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Median (nearest rank) of a number that occurs ``counts[..., number]`` times, shape (...)."""
+    up_to = counts.cumsum(axis=-1)
+    return np.asarray((2 * up_to < up_to[..., -1:]).sum(axis=-1), dtype=np.float64)
+
+
+def median_bounds(counts: NDArray[np.int64], draws: int, longest: int) -> tuple[float, float]:
+    """Bounds of the median of a number over the moments of independent draws.
+
+    Moments of one draw tell of each other. A number is the median or more exactly if up to it lie,
+    in the mean over draws, half of a draw's moments or more: their excess over half, as a part of
+    the moments of the longest draw, is between -1/2 and 1/2, and so 1/2 more a share that draws
+    have in part (`share_bounds`).
+
+    Parameters
+    ----------
+    counts
+        How often 0, 1, ... up to the most possible occur, over all draws, shape (n + 1,).
+    draws
+        How many.
+    longest
+        Moments that a draw has at most.
+    """
+    up_to = counts.cumsum()
+    shares = 0.5 + (up_to - 0.5 * up_to[-1]) / (draws * longest)
+    low, high = np.array([share_bounds(share, draws) for share in shares]).T
+    below, sure = high < 0.5, low[:-1] >= 0.5  # all are up to the most possible
+    return float(below.sum()), float(sure.size - sure.sum())
+
+
 def share_bounds(
     share: float, draws: int, tail: float = 0.5 * (1.0 - CONFIDENCE)
 ) -> tuple[float, float]:
@@ -73,8 +111,10 @@ def share_bounds(
     )
 
 
-def quantile_bounds(values: NDArray[np.float64], percent: float) -> tuple[float, float]:
-    """Bounds of a percentile whatever the distribution, at least `CONFIDENCE` to hold.
+def quantile_bounds(
+    values: NDArray[np.float64], percent: float, tail: float = 0.5 * (1.0 - CONFIDENCE)
+) -> tuple[float, float]:
+    """Bounds of a percentile whatever the distribution, either wrong in a share `tail` at most.
 
     How many of n draws lie below the percentile is binomial, so that it lies between the order
     statistics of ranks that the binomial's quantiles give. An end that no draw can bound is
@@ -85,7 +125,6 @@ def quantile_bounds(values: NDArray[np.float64], percent: float) -> tuple[float,
     David and Nagaraja 2003, Order Statistics, 3rd edition, section 7.1.
     """
     n, order = values.size, np.sort(values)
-    tail = 0.5 * (1.0 - CONFIDENCE)
     # fewer than `low` lie below with less than the tail's probability, and so above
     low, high = (_binomial_quantile(q, n, percent / 100) for q in (tail, 1.0 - tail))
     high += 1

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
+from compass.quantities.draws import median_number
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
 from compass.quantities.percentile import percentile
@@ -82,12 +83,6 @@ def _error(name: str, title: str) -> Merit:
         meaning=meaning,
     )  # fmt: skip
     return Merit(made, "map", needs="signal")
-
-
-def median_number(counts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Median (nearest rank) of a number that occurs ``counts[..., number]`` times, shape (...)."""
-    up_to = counts.cumsum(axis=-1)
-    return np.asarray((2 * up_to < up_to[..., -1:]).sum(axis=-1), dtype=np.float64)
 
 
 _SHARED = {q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *LASTING)}

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.inputs.study import Study
-from compass.quantities.draws import quantile_bounds, share_bounds
+from compass.quantities.draws import median_bounds, quantile_bounds, share_bounds
 from compass.quantities.merits import MERITS
 from compass.requirement import ERRORS
 from compass.study.bounds import ends
 
-#: What of entries each figure is of, and which percentile; of shares None.
+#: What of entries each figure is of, and which percentile; of shares None. What is counted is so
+#: at each moment of an entry.
 OF_ENTRIES: dict[str, tuple[str, float | None]] = {
+    "in_view.median": ("counts", 50.0),
     "crlb_position_m.p50": ("position_m", 50.0),
     "crlb_position_m.p95": ("position_m", 95.0),
     "crlb_velocity_m_s.p50": ("velocity_m_s", 50.0),
@@ -55,7 +57,10 @@ def entry_sides(study: Study, known: Mapping[str, Any]) -> dict[str, NDArray[np.
     for figure in drawn_figures(study, "entry"):
         name, percent = OF_ENTRIES[figure]
         values = known["position_m"] <= known["goal_m"] if name == "within" else known[name]
-        if percent is None:
+        if name == "counts":
+            draws = known["position_m"].shape[1]
+            pairs = [median_bounds(own, draws, known["longest"]) for own in values]
+        elif percent is None:
             pairs = [share_bounds(float(own.mean()), own.size) for own in values]
         else:
             pairs = [quantile_bounds(own, percent) for own in values]

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from compass.entry.campaign import Campaign
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
-from compass.quantities.draws import percentiles, quantile_bounds, share_bounds
-from compass.quantities.merits import median_number
+from compass.quantities.draws import median_of, percentiles, quantile_bounds, share_bounds
 from compass.quantities.percentile import percentile
 
 Array = NDArray[np.float64]
@@ -115,19 +114,19 @@ class Judgement:
         return parts
 
     @property
-    def known(self) -> dict[str, NDArray[Any]]:
-        """What figures of merit are worked out of, each of one candidate, shape (1, ...)."""
+    def known(self) -> dict[str, Any]:
+        """What figures of merit are worked out of: arrays of one candidate, (1, ...), numbers."""
         return {
             "position_m": self.sigma[None, :, 0, 0],
             "velocity_m_s": self.sigma[None, :, 0, 1],
             "counts": self.counts[:1],
+            "longest": self.campaign.longest,
             "blind": self._spectrum(self.information)[1][None],
         }
 
     def _spectrum(self, information: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Eigenvalues, ascending, (m, d), and which entries leave a state open, (m,)."""
-        terms = int(self.campaign.stops.max(initial=0)) + 1
-        spectrum, floor = spectrum_and_floor(information, terms)
+        spectrum, floor = spectrum_and_floor(information, self.campaign.longest)
         return spectrum, spectrum[:, 0] <= floor
 
     def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
@@ -135,6 +134,7 @@ class Judgement:
         position, velocity = self.sigma[:, column].T
         counts, f = self.counts[column], self.information
         if lost is not None:
+            counts = counts[:-1]  # one fewer is possible
             kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
             f = unpacked(kept + self.own)
         spectrum, blind = self._spectrum(f)
@@ -143,7 +143,10 @@ class Judgement:
         worst, trace = int(position.argmax()), spectrum.sum(axis=1)
         latitude, longitude = self.campaign.deployment_place
         return {
-            "in_view": {"min": int(np.argmax(counts > 0)), "median": float(median_number(counts))},
+            "in_view": {
+                "min": int(np.argmax(counts > 0)),
+                **median_of("median", counts, self.epochs.size, self.campaign.longest),
+            },
             "crlb_position_m": {
                 **percentiles(position),
                 "worst": float(position[worst]),

@@ -14,7 +14,6 @@ from compass.allowed import check_all_allowed
 from compass.conventions import epoch_text
 from compass.coverage.drawn import Drawn, drawn
 from compass.coverage.errors import error_map, error_rows
-from compass.coverage.fix_budget import PARTS, fix_budget
 from compass.coverage.gaps import GapTrack, coverage_gaps, gap_rows, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import count_rows, coverage_map
@@ -222,9 +221,8 @@ class MapRows:
         stop = start + self.duration
         if motion.table is not None:  # no table is asked beyond its end
             stop = min(stop, motion.table.stop)
-        return drawn(
-            asked, (start, stop), users=self.users, weights=self.options.weights, losses=losses
-        )
+        how: dict[str, Any] = {"users": self.users, "weights": self.options.weights}
+        return drawn(asked, (start, stop), **how, losses=losses, budget=True)
 
     @cached_property
     def track(self) -> GapTrack:
@@ -316,7 +314,6 @@ def make_map(
         errors = error_map(rows.view, grid, rows.ranges, limit=chosen.error_max_m, by=do)
         dataset = dataset.assign(errors.data_vars).assign_coords(errors.coords)
         dataset.attrs |= errors.attrs | {"error_weights": chosen.weights}
-        _add_budget(dataset, design, rows)
         if design.integrity is not None:
             levels = protection_map(rows.view, grid, rows.ranges, design.integrity, by=do)
             dataset = dataset.assign(levels.data_vars).assign_coords(levels.coords)
@@ -334,29 +331,6 @@ def make_map(
         "repeat_miss_deg": float(np.degrees(rows.repeat.closure)),
     }
     return DesignMap(dataset, grid, rows.view, rows.repeat)
-
-
-def _add_budget(dataset: "xr.Dataset", design: Design, rows: MapRows) -> None:
-    """Add to a map what ranges and fixes are made of."""
-    found = fix_budget(design, rows.view, rows.ranges)
-    dataset.coords["part"] = list(PARTS)
-    dataset["range_error_rms"] = (
-        (), found.range_error,
-        {"units": "m", "long_name": "root mean square error of the ranges of fixes, one sigma"},
-    )  # fmt: skip
-    dataset["range_part"] = (
-        "part", found.range_shares,
-        {"units": "1", "long_name": "share of the mean variance of the ranges of fixes"},
-    )  # fmt: skip
-    dataset["four_in_view"] = (
-        "horizon", [found.four, found.four_unmasked],
-        {"units": "1", "long_name": "share of area and time with four satellites in view"},
-    )  # fmt: skip
-    dataset.coords["horizon"] = ["mask", "plain"]
-    dataset["fix_part"] = (
-        ("error", "part"), found.shares,
-        {"units": "1", "long_name": "mean share of the variance of fixes, over area and time"},
-    )  # fmt: skip
 
 
 def closes(motion: Motion, repeat: RepeatPeriod) -> bool:

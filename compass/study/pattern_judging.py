@@ -126,6 +126,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         "position_m": sigma[..., 0],
         "velocity_m_s": sigma[..., 1],
         "counts": counts,
+        "longest": campaign.longest,
         "blind": blind,
     }
     return _worked_out(study, found)

@@ -1,18 +1,21 @@
 """Parts of a fix's variance against error maps of a signal that has that part alone."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+from compass.coverage.drawn import drawn
 from compass.coverage.errors import ERRORS, error_map
 from compass.coverage.fix_budget import PARTS, fix_budget, variances_by_part
 from compass.coverage.grid import make_grid
+from compass.coverage.moving import Mover, ranges_at, seen_along
 from compass.coverage.view import view
 from compass.design import Design
 from compass.frames import direction, east_north_up, planetographic_latitude
 from compass.links import Radio
 from compass.orbits import walker_delta
+from compass.orbits.motion import Motion
 from compass.ranging import Receiver, Signal
 from compass.signal.ranges import range_errors
 from compass.sites import Mask
@@ -29,7 +32,7 @@ ALONE = (
     replace(NOTHING, ionosphere=2.0),
     replace(NOTHING, common_time=2.0, common_orientation=1e-6),
 )
-TIMES = np.array([100.0, 4321.0])
+TIME = 4321.0
 MASKS = Mask.of(5), Mask.of([[0, 2], [90, 20], [180, 4], [270, 11]])
 
 
@@ -39,18 +42,27 @@ def design(signal, mask=MASKS[0], satellites=9):
     return Design(c, name="d", figure="iau-ellipsoid", mask=mask, signal=signal, radios=(radio,))
 
 
-def looked_at(d, weights):
-    seen = view(d.constellation, TIMES, d.figure.equatorial_radius, d.mask)
-    return seen, range_errors(d, TIMES, weights=weights)
-
-
 def of_map(d, grid, weights):
-    """Variances of the second epoch, in single precision, shape (error, cell)."""
-    seen, ranges = looked_at(d, weights)
-    one = replace(seen, times=TIMES[1:], r=seen.r[1:], cos_cap=seen.cos_cap[1:])
-    ranges = replace(ranges, forms=ranges.forms[1:], sun=ranges.sun[1:])
-    made = error_map(one, grid, ranges, workers=1)
+    """Variances at one moment, in single precision, shape (error, cell)."""
+    times = np.array([TIME])
+    seen = view(d.constellation, times, d.figure.equatorial_radius, d.mask)
+    made = error_map(seen, grid, range_errors(d, times, weights=weights), workers=1)
     return np.stack([made[name].sel(percentile=50).values.ravel() for name in ERRORS]) ** 2
+
+
+def at_cells(d, grid, weights):
+    """What `variances_by_part` takes of users at all cells at that moment."""
+    latitude, longitude = (
+        x.ravel() for x in np.meshgrid(grid.latitude, grid.longitude, indexing="ij")
+    )
+    polar, radius = grid.polar, d.figure.equatorial_radius
+    places = polar / np.hypot(polar * np.cos(latitude), np.sin(latitude))
+    axes = east_north_up(planetographic_latitude(latitude, d.figure), longitude)
+    r = radius * places[:, None] * direction(latitude, longitude)
+    times = np.full(len(r), TIME)
+    positions, seen, _ = seen_along(d, Mover("", r, axes, d.mask), times, Motion())
+    ranges = ranges_at(d, times, Motion(), weights)
+    return positions, seen, ranges, r / radius, axes[:, 2]
 
 
 @pytest.mark.parametrize("mask", MASKS)
@@ -59,62 +71,78 @@ def test_every_part_is_what_a_signal_with_it_alone_gives(mask):
     d = design(WHOLE, mask)
     figure = d.figure
     grid = make_grid("equal-angle", 30, figure.polar_radius / figure.equatorial_radius)
-    latitude, longitude = (
-        x.ravel() for x in np.meshgrid(grid.latitude, grid.longitude, indexing="ij")
-    )
-    polar = grid.polar
-    radius = polar / np.hypot(polar * np.cos(latitude), np.sin(latitude))
-    places = radius[:, None] * direction(latitude, longitude)
-    ups = east_north_up(planetographic_latitude(latitude, figure), longitude)[:, 2]
     for weights in ("equal", "variance"):
-        seen, ranges = looked_at(d, weights)
-        found, fixed, heard, *_ = variances_by_part(seen.r, seen, ranges, places, ups)
+        found, fixed, heard = variances_by_part(*at_cells(d, grid, weights))
         whole = of_map(d, grid, weights)
-        good = fixed[1]
-        assert np.array_equal(good, np.isfinite(whole).all(axis=0)) and 8 < good.sum() < good.size
-        assert pytest.approx(whole[:, good], rel=3e-5) == found[1, good].sum(axis=2).T
+        assert np.array_equal(fixed, np.isfinite(whole).all(axis=0)) and 8 < fixed.sum() < 70
+        assert pytest.approx(whole[:, fixed], rel=3e-5) == found[fixed].sum(axis=2).T
         assert (heard >= 0).all()
         if weights == "equal":
             for part, signal in enumerate(ALONE):
-                alone = of_map(design(signal, mask), grid, weights)[:, good]
-                assert pytest.approx(alone, rel=3e-5, abs=1e-6) == found[1, good, :, part].T
+                alone = of_map(design(signal, mask), grid, weights)[:, fixed]
+                assert pytest.approx(alone, rel=3e-5, abs=1e-6) == found[fixed, :, part].T
+
+
+def test_of_each_fix_a_range_is_chosen_and_the_shares_of_all_are_averaged():
+    d = design(WHOLE)
+    grid = make_grid("equal-angle", 30, d.figure.polar_radius / d.figure.equatorial_radius)
+    given = at_cells(d, grid, "variance")
+    variances, fixed, heard = variances_by_part(*given)
+    seen, total = given[1], heard.sum(axis=2)
+    last = fix_budget(*given, np.full(len(seen), 1.0 - 1e-9))
+    first = fix_budget(*given, np.zeros(len(seen)))
+    for k, t in enumerate(np.flatnonzero(fixed)):
+        own = np.flatnonzero(seen[t])
+        assert first.range_error[k] == pytest.approx(np.sqrt(total[t, own[0]]))
+        assert last.range_error[k] == pytest.approx(np.sqrt(total[t, own[-1]]))
+        shares = heard[t, own] / total[t, own, None]
+        assert first.of_ranges[k] == pytest.approx(shares.mean(axis=0))
+        assert first.of_fixes[k] * variances[t].sum(axis=1)[:, None] == pytest.approx(variances[t])
+
+
+def budget_of(d, **options):
+    return drawn(d, (0.0, 1e5), budget=True, draws=400, **options).budget
 
 
 def test_shares_add_up_and_a_better_clock_takes_its_share_away():
     d = design(WHOLE)
-    made = fix_budget(d, *looked_at(d, "variance"))
-    assert made.shares.sum(axis=1) == pytest.approx(1.0)
-    assert made.range_shares.sum() == pytest.approx(1.0)
-    better = design(replace(WHOLE, clock_sigma=0.3))
-    after = fix_budget(better, *looked_at(better, "variance"))
+    made = budget_of(d)
+    assert made.of_fixes.sum(axis=2) == pytest.approx(1.0)
+    assert made.of_ranges.sum(axis=1) == pytest.approx(1.0)
+    after = budget_of(design(replace(WHOLE, clock_sigma=0.3)))
     clock = PARTS.index("clock")
-    assert np.all(after.shares[:, clock] < 0.1 * made.shares[:, clock])
-    left = made.range_error**2 * (1.0 - 0.99 * made.range_shares[clock])
-    assert after.range_error**2 == pytest.approx(left)
+    assert np.all(after.of_fixes.mean(axis=0)[:, clock] < 0.1 * made.of_fixes[..., clock].mean(0))
+    assert after.range_error**2 == pytest.approx(made.range_error**2 - 9.0 + 0.09)
 
 
 def test_correlated_orbit_and_clock_share_what_they_make_together():
     """A clock that is early by what the orbit is high: ranges straight down do not feel them."""
     both = np.zeros((4, 4))
     both[np.ix_([0, 3], [0, 3])] = [[9.0, -9.0], [-9.0, 9.0]]
-    signal = Signal(covariance=(tuple(map(tuple, both)),), receiver=Receiver(0.1))
-    d = design(signal)
-    made = fix_budget(d, *looked_at(d, "variance"))
-    assert made.range_error < 0.3  # 3 m each, of opposite sign
-    assert made.range_shares[0] == pytest.approx(made.range_shares[1], rel=0.03)
-    assert made.range_shares.min() >= 0
+    made = budget_of(design(Signal(covariance=(tuple(map(tuple, both)),), receiver=Receiver(0.1))))
+    assert np.median(made.range_error) < 0.3  # 3 m each, of opposite sign
+    assert made.of_ranges[:, 0].mean() == pytest.approx(made.of_ranges[:, 1].mean(), rel=0.03)
+    assert made.of_ranges.min() >= 0
+
+
+def test_a_budget_is_of_some_draws_and_changes_no_other_number(monkeypatch):
+    d = design(WHOLE)
+    whole, plain = (drawn(d, (0.0, 1e5), draws=400, budget=k) for k in (True, False))
+    assert plain.budget is None
+    for name, values in plain.values.items():
+        assert np.array_equal(values, whole.values[name])
+    fixes = int(np.isfinite(plain.values["pdop"]).sum())
+    assert whole.budget.range_error.size == fixes
+    monkeypatch.setattr("compass.coverage.drawn.BUDGET_SIGHTS", 400 * 9 // 4)
+    monkeypatch.setattr("compass.coverage.drawn.PIECE", 9 * 90)
+    some = drawn(d, (0.0, 1e5), draws=400, budget=True).budget
+    assert 0.1 * fixes < some.range_error.size < 0.5 * fixes
+    assert {len(getattr(some, field.name)) for field in fields(some)} == {some.range_error.size}
+    for name in ("of_ranges", "of_fixes"):  # of these users the same shares
+        kept = {tuple(row.ravel()) for row in getattr(whole.budget, name).round(12)}
+        assert {tuple(row.ravel()) for row in getattr(some, name).round(12)} <= kept
 
 
 def test_without_a_fix_there_are_no_parts():
-    d = design(WHOLE, satellites=3)
-    made = fix_budget(d, *looked_at(d, "variance"))
-    assert np.isnan(made.range_error) and np.isnan(made.shares).all()
-
-
-def test_what_the_mask_hides_is_counted():
-    """Of the same users and moments, four above the plain horizon as counted one by one."""
-    d = design(WHOLE, Mask.of(30), satellites=12)
-    seen, ranges = looked_at(d, "variance")
-    made, bare = fix_budget(d, seen, ranges), design(WHOLE, Mask.of(0), satellites=12)
-    open_ = fix_budget(bare, *looked_at(bare, "variance"))
-    assert 0.0 < made.four < made.four_unmasked == open_.four == open_.four_unmasked
+    made = budget_of(design(WHOLE, satellites=3))
+    assert made.range_error.size == 0 and made.of_fixes.shape == (0, 4, 5)

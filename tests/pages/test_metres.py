@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import compass
@@ -10,6 +11,7 @@ from compass.inputs import read_design_text
 from compass.pages.aloft import aloft_section, maps_aloft, standings
 from compass.pages.metres import metres_section, tracking_section
 from compass.study.mapping import MapOptions
+from tests.evidence import unknown
 
 DESIGN = """
 name = "nine"
@@ -65,6 +67,29 @@ def test_errors_at_the_sites_stand_on_the_page_over_time():
     assert [s for s in stems if s.endswith("sites")] == [
         "error-horizontal-sites", "error-vertical-sites"]  # fmt: skip
     assert any(t.title == "Errors of fixes over time" for t in section.tables)
+
+
+def test_every_number_of_a_budget_stands_between_bounds_in_json_and_in_files():
+    more = DESIGN.replace("satellites = 9", "satellites = 24")
+    made = mapped(more + SIGNAL + "[integrity]\n")
+    found, dataset = made.to_dict(), made.dataset
+    assert unknown(found) == []
+    budget = found["fix_budget"]
+    numbers = [budget, budget["range_parts"]]
+    numbers += [one[key] for one in budget.values() if isinstance(one, dict) and "parts" in one
+                for key in ("parts", "geometry")]  # fmt: skip
+    told = [(of, name) for of in numbers for name, value in of.items() if np.isscalar(value)]
+    assert len(told) == 1 + 5 + 4 * (5 + 4)
+    for of, name in told:
+        low, high = of[f"{name}_interval"]
+        assert low <= of[name] <= high
+    for name in ("error", "fix_part", "range_part", "range_error", "error_share", "protection"):
+        low, value, high = (dataset[f"global_{name}{end}"] for end in ("_low", "", "_high"))
+        assert bool(((low <= value) & (value <= high)).all()), name
+    p95 = dataset.global_error_high.sel(error="error_time_m", global_percentile=95)
+    assert float(p95) == made.errors["error_time_m"]["p95_interval"][1]
+    clock = dataset.global_fix_part_low.sel(error="error_vertical_m", part="clock")
+    assert float(clock) == budget["error_vertical_m"]["parts"]["clock_interval"][0]
 
 
 def test_a_design_that_never_has_a_fix_gets_no_bars():
