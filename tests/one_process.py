@@ -2,6 +2,7 @@
 
 import math
 
+from compass.core.compiling import worked
 from compass.study.stages import evaluate
 
 
@@ -16,6 +17,9 @@ class OneProcess:
     def run(self, stage, batches, until=math.inf):
         for rows in batches:
             yield rows, evaluate(stage, self._study, rows)
+
+    def now(self):
+        return worked()
 
     def close(self):
         pass

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.clocks import clock_named
+from compass.core.compiling import worked
 from compass.cores import cores
 from compass.document import Bracket, Interval, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
@@ -388,6 +388,8 @@ def trade(
         Folder of the store; by default ``trades/`` and the name of the file.
     budget_s
         Seconds after which the run ends, wherever it is; the next goes on from what is stored.
+        Those in which kernels are compiled for the first time do not count; on a cluster those
+        until its first answer.
         What the default leaves of them brings bounds nearer, where it is still open who is on the
         front or meets a limit. By default the run takes as long as it takes.
     workers
@@ -415,7 +417,7 @@ def trade(
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
-    began = monotonic()
+    began = worked()
     check_all_allowed(budget_s=budget_s)
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = given_study(study)
@@ -437,7 +439,7 @@ def trade(
             check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
-            left = None if budget_s is None else max(budget_s - (monotonic() - began), 0.0)
+            left = None if budget_s is None else max(budget_s - (worked() - began), 0.0)
             summary = run_trade(read, kept, team, bars, left)
         finally:
             team.close()

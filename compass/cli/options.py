@@ -58,7 +58,7 @@ OPTIONS: dict[str, Told] = {
     "beam_deg": real("Half angle of the satellites' antennas."),
     "beyond": whole("Sizes to try beyond the smallest that has the fold.", 0),
     "box_deg": real("Half width of the box along the track; else half the margin."),
-    "budget_s": real("Seconds for each figure between bounds."),
+    "budget_s": real("Seconds for each figure between bounds; compiling does not count."),
     "clock": text("The user's clock where it is held.", "uso"),
     "clock_drift_m_s": real("Its drift, m/s.", 0.3),
     "clock_m": real("Lander's clock at first, m.", 3e4),
@@ -260,7 +260,7 @@ OPTIONS: dict[str, Told] = {
     ),
     "map.beam_deg": real("Half angle of the satellites' antennas; all around if left out."),
     "map.mask_deg": real("Elevation mask, degrees; else the design's; below 0 in orbit alone."),
-    "search.budget_s": real("Seconds for each share of geometry wanted."),
+    "search.budget_s": real("Seconds for each share of geometry wanted; compiling does not count."),
     "search.days": real("Days for which it must hold on real orbits that nobody steers, too."),
     "search.figure": choice(
         ["iau-sphere", "kelly2018-sphere"], "Sphere that is to be covered.", "iau-sphere"
@@ -290,7 +290,7 @@ OPTIONS: dict[str, Told] = {
     "series.output": output("Write counts and dilutions over time", ENDINGS["series"]),
     "series.picture": output("PNG curve to draw."),
     "trade.budget_s": real(
-        "Seconds after which the run ends; what the default leaves of them brings bounds nearer."
+        "Seconds of work after which the run ends; what the default leaves brings bounds nearer."
     ),
     "trade.workers": whole("Processes on this machine; by default one a core."),
     "view.output": path("Page to write; by default views/NAME-OF-THE-FILE.html."),

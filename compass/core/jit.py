@@ -6,7 +6,7 @@ from typing import Any
 from numba import config, njit, typeof, types
 from numba.core import event
 
-from compass.core.compiling import listeners
+from compass.core.compiling import compiling, listeners
 from compass.core.kernel_cache import KernelCache
 
 # Everything of fastmath but `nnan` and `ninf`: kernels test for nan and inf.
@@ -51,10 +51,11 @@ def compile_once_among_processes(compiled: Any) -> None:
     compile_here = compiled.compile
 
     def compile(sig: Any) -> Any:
-        try:
-            return compile_here(sig)
-        finally:
-            compiled._cache.let_others_compile()
+        with compiling():
+            try:
+                return compile_here(sig)
+            finally:
+                compiled._cache.let_others_compile()
 
     compiled.compile = compile
 

@@ -7,12 +7,12 @@ surely breaks the upper as above, and neither is looked at again.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import GIVEN, INSIDE
+from compass.core.compiling import worked
 from compass.coverage.certified_question import Question
 from compass.coverage.certified_rounds import Rounds
 from compass.coverage.certified_share import FIRST, FLOOR, PER_BOX, Search
@@ -177,7 +177,7 @@ class Distribution:
             known = self._polygon.share(
                 limit.at,
                 limit.width,
-                budget_s=rounds.end - monotonic(),
+                budget_s=rounds.end - worked(),
                 budget_boxes=rounds.left,
             )
             self.boxes.looked += known.boxes

@@ -14,12 +14,12 @@ half that is kept or broken.
 
 from collections.abc import Callable
 from math import ceil
-from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.belt import area_below
+from compass.core.compiling import worked
 
 #: Belts at first, and at most.
 FEW, MANY = 16, 2048
@@ -100,7 +100,7 @@ def weighed_share(
     width, budget_s, budget_boxes, level, progress
         As of `compass.coverage.certified_share.Search.share`.
     """
-    end, near = monotonic() + budget_s, max(FIRST, width)
+    end, near = worked() + budget_s, max(FIRST, width)
     low, high, boxes, stopped, belts = 0.0, 1.0, 0, "", FEW
     while True:
         edges = np.linspace(*latitudes, belts + 1)
@@ -109,7 +109,7 @@ def weighed_share(
         each = (budget_boxes - boxes) / max(wanted.size, 1)
         for k in wanted:
             south, north = float(edges[k]), float(edges[k + 1])
-            seconds = 0.0 if stopped == "interrupted" else end - monotonic()
+            seconds = 0.0 if stopped == "interrupted" else end - worked()
             kept, rest, looked, why = share(south, north, 0.5 * near, seconds, each)
             boxes, stopped = boxes + looked, stopped or why
             area = area_below(north, e2) - area_below(south, e2)

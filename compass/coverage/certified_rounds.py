@@ -1,12 +1,12 @@
 """Boxes split round by round, by threads and within a budget; who works changes no sum."""
 
 from contextlib import closing
-from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, GIVEN, INSIDE, refine
+from compass.core.compiling import worked
 from compass.cores import shared
 from compass.coverage.certified_question import Question
 
@@ -49,7 +49,7 @@ class Rounds:
     question, workers
         What is asked, and how many threads work.
     end
-        When to stop, as `time.monotonic` tells it.
+        When to stop, as `compass.core.compiling.worked` tells it.
     left
         Boxes that may still be looked at.
     stopped
@@ -64,7 +64,7 @@ class Rounds:
 
     def begin(self, budget_s: float, budget_boxes: float) -> None:
         """Begin a budget: so many seconds from now, and boxes."""
-        self.end, self.left, self.stopped = monotonic() + budget_s, budget_boxes, ""
+        self.end, self.left, self.stopped = worked() + budget_s, budget_boxes, ""
 
     def refine(
         self,
@@ -100,7 +100,7 @@ class Rounds:
         held = float(leaves.nbytes)
 
         def work(piece: NDArray[np.float64]) -> tuple[NDArray, NDArray] | None:
-            if monotonic() > self.end:
+            if worked() > self.end:
                 return None
             return refine(piece, fresh, whole, eps, self.question.speed, *arrays)
 

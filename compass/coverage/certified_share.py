@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from time import monotonic
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import GIVEN, INSIDE
+from compass.core.compiling import worked
 from compass.coverage.certified_longitudes import weighed_share
 from compass.coverage.certified_places import for_ever, sides_of
 from compass.coverage.certified_question import Asked, Question
@@ -114,7 +114,7 @@ def certified_share(
     """
     question = Question(constellation, **asked)
     question.check(limit)
-    search, began = Search(question, workers), monotonic()
+    search, began = Search(question, workers), worked()
     share = search.share(
         limit,
         width,
@@ -129,7 +129,7 @@ def certified_share(
             share = search.share(
                 limit,
                 NEAREST,
-                budget_s=budget_s - (monotonic() - began),
+                budget_s=budget_s - (worked() - began),
                 budget_boxes=left,
                 level=level,
                 start=share,

@@ -5,13 +5,13 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from math import degrees
-from time import monotonic
 from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.worst import LEAF, pursue
+from compass.core.compiling import worked
 from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
@@ -224,7 +224,7 @@ class _Pursuit:
             self.leaves[:, :6], self.leaves[:, 7] = boxes[:, :6], 0.0
         self.most = self.boxes + budget_boxes
         self._work(self.leaves[:0], 1.0, 0.0, 1.0)  # compiled before the clock runs
-        self.end = monotonic() + budget_s
+        self.end = worked() + budget_s
 
     def go_on(self, ratio: float, enough: float, beyond: float) -> None:
         """Refine until all bounds are within a ratio of the largest value, or small enough."""
@@ -268,7 +268,7 @@ class _Pursuit:
         self, piece: NDArray[np.float64], ratio: float, enough: float, beyond: float
     ) -> tuple[NDArray, int, bool, NDArray] | None:
         """Pursue one piece; None where time is over."""
-        if len(piece) and monotonic() > self.end:
+        if len(piece) and worked() > self.end:
             return None
         return pursue(
             np.ascontiguousarray(piece),

@@ -9,10 +9,10 @@ import heapq
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
-from time import monotonic
 
 import numpy as np
 
+from compass.core.compiling import worked
 from compass.coverage.region import GLOBE, Region
 from compass.frames import Figure, direction, planetocentric_latitude
 
@@ -80,10 +80,10 @@ class Tiles:
         known.
         """
         tiles: list[tuple[float, Sides, float]] = []
-        high, where, looked, began = 1.0, south, 0, monotonic()
+        high, where, looked, began = 1.0, south, 0, worked()
 
         def spent() -> str:
-            late = monotonic() - began >= seconds
+            late = worked() - began >= seconds
             return "boxes" if looked >= most else "time" if late else ""
 
         def push(tile: Sides, known: float = 0.0) -> None:

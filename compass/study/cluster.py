@@ -159,6 +159,7 @@ class Cluster:
         try:
             self._check_workers()
             self.count, self._attended = 1, time.monotonic()
+            self._answered = inf  # since when; until then machines load and compile
             self._look()
         except BaseException:
             self.close()
@@ -233,6 +234,10 @@ class Cluster:
         if found.get("type") != "Scheduler":
             raise ArgumentError(f"{self._option}: a Dask {found.get('type')}, not a scheduler")
 
+    def now(self) -> float:
+        """As `Workers.now`, but stands until the first answer: who compiles is not known."""
+        return max(time.monotonic() - self._answered, 0.0)
+
     def run(
         self, stage: str, batches: Iterable[NDArray], until: float = inf
     ) -> Iterator[tuple[NDArray, Any]]:
@@ -253,8 +258,8 @@ class Cluster:
             flying[future.key] = future, rows
             future.add_done_callback(done.put)
 
-        while (now := time.monotonic()) < until:
-            if now - self._looked > WATCH:
+        while (now := self.now()) < until:
+            if time.monotonic() - self._looked > WATCH:
                 self._look()
             while len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None:
                 fly(rows)
@@ -273,6 +278,7 @@ class Cluster:
                 future.add_done_callback(done.put)
             else:
                 _, rows = flying.pop(future.key)
+                self._answered = min(self._answered, time.monotonic())
                 if found is None and rows.size > 1:
                     suspects += [rows[k : k + 1] for k in range(rows.size)]
                 else:

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import takewhile
 from math import inf
-from time import monotonic
 from typing import Any, Protocol
 
 import numpy as np
@@ -130,7 +129,7 @@ def run_trade(
     OutputError
         The store cannot be written; what it holds stays good.
     """
-    until = inf if budget_s is None else monotonic() + budget_s
+    until = inf if budget_s is None else workers.now() + budget_s
     run = Run(study, store, workers, bars, until)
     try:
         run.whole()
@@ -179,7 +178,7 @@ class Run:
                 self.stage("entry", finalists(study, store))
         self.settle()
         if self.until < inf:
-            self.settle(takewhile(lambda _: monotonic() < self.until, FINER))
+            self.settle(takewhile(lambda _: self.workers.now() < self.until, FINER))
 
     def settle(self, finer: Iterable[str] = ()) -> None:
         """Tell who is of the front, and of the best of these what other clocks make of them."""
@@ -220,7 +219,7 @@ class Run:
             size = max(1, min(most, rows.size // (2 * self.workers.count)))
             rows = [rows[k : k + size] for k in range(0, rows.size, size)]
         known = self.store.done.get(stage, set())
-        missing = _Missing(rows, known, self.until)
+        missing = _Missing(rows, known, lambda: self.workers.now() >= self.until)
         with (bars or self.bars)(stage, total or 0, len(known)) as bar:
             for batch, found in self.workers.run(stage, missing, self.until):
                 missing.away -= batch.size
@@ -252,14 +251,14 @@ class _Missing:
         Candidates that were given away and have not come back.
     """
 
-    def __init__(self, rows: Iterable[NDArray], known: set[str], until: float) -> None:
-        self._rows, self._known, self._until, self.away = iter(rows), known, until, 0
+    def __init__(self, rows: Iterable[NDArray], known: set[str], over: Callable[[], bool]) -> None:
+        self._rows, self._known, self._over, self.away = iter(rows), known, over, 0
 
     def __iter__(self) -> Iterator[NDArray]:
         return self
 
     def __next__(self) -> NDArray:
-        if monotonic() >= self._until:
+        if self._over():
             raise StopIteration
         batch = self._next()
         self.away += batch.size

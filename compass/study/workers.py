@@ -3,7 +3,8 @@
 Every kind has ``run(stage, batches, until)``, which yields each batch with what was found, in the
 order in which they finish, and keeps only a few batches a worker on their way: a queue of millions
 would burden a scheduler, and what is on its way is what a kill loses. So does the time `until`
-which it may take, as `time.monotonic` tells it: what has been begun by then is given up.
+which it may take, as its own ``now()`` tells it: what has been begun by then is given up. That
+clock stands while a worker loads what it needs and while kernels are compiled, there or here.
 A batch whose worker died is given to another; after `ATTEMPTS` deaths (Dask has its own limit) and
 when all others are through, its candidates are tried one by one. Only one that kills again comes
 back with None.
@@ -24,6 +25,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from compass.core.compiling import watchers, worked
 from compass.errors import CompassError
 from compass.inputs.study import Study
 from compass.study.stages import Found, evaluate
@@ -50,6 +52,9 @@ class Workers(Protocol):
     def run(self, stage: str, batches: Iterable[NDArray], until: float = inf) -> Iterator[Result]:
         """Yield each batch and what was found, as they finish, until a time."""
 
+    def now(self) -> float:
+        """Seconds of work since some moment."""
+
     def close(self) -> None:
         """Let the workers go."""
 
@@ -60,17 +65,22 @@ def _serve(end: connection.Connection, study: Study, beat: float) -> None:
     parent, sending = parent_process(), threading.Lock()
     assert parent is not None
 
-    def send(what: Found | None) -> None:
+    def send(what: Found | bool | None) -> None:
         with sending:
             end.send(what)
 
-    def watch() -> None:
+    def tell(stands: bool) -> None:
         with suppress(OSError):  # the client is gone
-            send(None)
+            send(stands)
+
+    def watch() -> None:
+        with suppress(OSError):
             while not connection.wait([parent.sentinel], timeout=beat):
                 send(None)
         os._exit(1)
 
+    watchers.append(tell)
+    tell(False)
     threading.Thread(target=watch, daemon=True).start()
     try:
         while True:
@@ -109,6 +119,7 @@ class _Process:
         context = get_context("spawn")
         self.held: deque[tuple[NDArray, int]] = deque()
         self.silent, self.heard = 0.0, False  # for so many seconds; and whether ever
+        self.stands = True  # it loads or compiles
         try:
             self.end, its = context.Pipe()
             self._process = context.Process(target=_serve, args=(its, study, BEAT), daemon=True)
@@ -133,7 +144,7 @@ class _Process:
             self.end.send((stage, rows))
 
     def take(self) -> Found | None:
-        """What it found of the first batch that it has; None for a sign of life.
+        """What it found of the first batch that it has; None for any other sign of life.
 
         Raises
         ------
@@ -141,9 +152,12 @@ class _Process:
             It died.
         """
         try:
-            found: Found | None = self.end.recv()
+            found: Found | bool | None = self.end.recv()
         except EOFError as error:
             raise BrokenPipeError from error
+        if isinstance(found, bool):
+            self.stands = found
+            return None
         return found
 
     def stop(self) -> str:
@@ -167,6 +181,19 @@ class Processes:
         self._study = study
         self._team: list[_Process] = []  # begun when there is something to do
         self._deaths, self._proven, self._round = 0, False, time.monotonic()
+        self._stood, self._since = 0.0, inf  # so long; and since when now, if it does
+
+    def now(self) -> float:
+        """As `Workers.now`."""
+        return worked() - self._stood - max(worked() - self._since, 0.0)
+
+    def _look_who_stands(self) -> None:
+        """Note whether the clock stands from now on: somebody who has work loads or compiles."""
+        now = worked()
+        if any(worker.held and worker.stands for worker in self._team):
+            self._since = min(self._since, now)
+        else:
+            self._stood, self._since = self._stood + max(now - self._since, 0.0), inf
 
     def run(self, stage: str, batches: Iterable[NDArray], until: float = inf) -> Iterator[Result]:
         """As `Workers.run`.
@@ -178,7 +205,7 @@ class Processes:
         """
         source, again = iter(batches), deque[tuple[NDArray, int]]()
         self._give_up()  # what an earlier run has left
-        while time.monotonic() < until:
+        while self.now() < until:
             while sum(len(w.held) for w in self._team) < HELD * self.count:
                 if (rows := next(source, None)) is not None:
                     self._freest().give(stage, rows, 0)
@@ -186,6 +213,7 @@ class Processes:
                     self._freest().give(stage, *again.popleft())
                 else:
                     break
+            self._look_who_stands()
             ends: dict[Any, _Process] = {w.end: w for w in self._team if w.held}
             if not ends:
                 return
@@ -214,6 +242,7 @@ class Processes:
         """End the processes that have something to do."""
         for worker in [w for w in self._team if w.held]:
             self._dismiss(worker)
+        self._look_who_stands()
 
     def _heard(self, ends: dict[Any, _Process], until: float) -> list[_Process]:
         """Those that say something, or have been silent too long.
@@ -221,7 +250,8 @@ class Processes:
         Time for which this process was stopped itself, as with all of a terminal, is none in which
         others were silent: a round counts for no more than it may wait.
         """
-        ready = connection.wait(list(ends), min(BEAT, max(until - time.monotonic(), 0.0)))
+        left = until - self.now() if self._since == inf else inf  # whoever stands will say when not
+        ready = connection.wait(list(ends), min(BEAT, max(left, 0.0)))
         now = time.monotonic()
         passed, self._round = min(now - self._round, BEAT), now
         for end, worker in ends.items():

@@ -158,7 +158,7 @@ def test_more_time_decides_what_the_levels_leave_open_and_is_not_asked_twice(
     """Brackets that only a finer level tells apart; a budget that ends after one candidate."""
     monkeypatch.setattr("compass.study.order.LEVELS", LEVELS)
     clock, asked = [0.0], []
-    monkeypatch.setattr(trade, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(OneProcess, "now", lambda self: clock[0])
 
     def bracketed(level, study, rows):
         asked.append((level, rows.size))

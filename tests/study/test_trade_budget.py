@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from compass.api.trade import TradeResult
+from compass.core.compiling import compiling
 from compass.inputs.study import Constraint, Objective
 from compass.quantities.merits import STAGES
 from compass.study import stages, trade, workers
@@ -97,7 +98,7 @@ def test_wherever_the_time_is_over_the_next_run_ends_as_one_that_was_not_stopped
     study, tmp_path, monkeypatch, stage
 ):
     clock = Clock()
-    monkeypatch.setattr(trade, "monotonic", clock)
+    monkeypatch.setattr(OneProcess, "now", lambda self: clock())
     whole = run(study, tmp_path / "whole", budget_s=1.0)
     assert not whole.over and {"bounds-5", "draws-2"} <= {*whole.bounded, *whole.drawn}
     once = run(study, tmp_path / "stopped", OutOfTime(study, stage, clock), budget_s=1.0)
@@ -169,7 +170,7 @@ def test_whom_a_level_has_put_out_before_a_stop_is_a_rival_until_then_all_the_sa
         constraints=(*made.constraints, share),
     )
     clock = Clock()
-    monkeypatch.setattr(trade, "monotonic", clock)
+    monkeypatch.setattr(OneProcess, "now", lambda self: clock())
     whole = run(study, tmp_path / "whole", budget_s=1.0)
     once = run(study, tmp_path / "stopped", UntilLarger(study, clock), budget_s=1.0)
     assert once.over == "bounds-2" and 0 < once.computed["bounds-2"] < whole.bounded["bounds-2"]
@@ -200,10 +201,10 @@ def test_a_process_is_ended_in_the_midst_of_a_candidate(tiny, monkeypatch):
     rows = candidates(tiny()).rows(0, 6)
     team = Processes(tiny(), 2)
     try:
-        began = time.monotonic()
+        began = team.now()
         some = [rows[k : k + 1] for k in range(6)]
-        found = list(team.run("screen", some, began + 12.0))
-        assert time.monotonic() - began < 14.0
+        found = list(team.run("screen", some, began + 4.0))
+        assert 4.0 <= team.now() - began < 6.0
         assert all(batch["phasing"] % 2 == 0 for batch, _ in found)
         assert not any(worker.held for worker in team._team)
     finally:
@@ -219,6 +220,31 @@ def serve_endlessly(end, study, beat):
         return honest(stage, study, rows)
 
     workers.evaluate = slowly
+    workers._serve(end, study, beat)
+
+
+def test_no_time_of_a_run_is_spent_on_loading_and_compiling(tiny, monkeypatch):
+    monkeypatch.setattr(workers, "_serve", serve_after_compiling)
+    rows = candidates(tiny()).rows(0, 3)
+    team = Processes(tiny(), 1)
+    try:
+        began, until = time.monotonic(), team.now() + 0.8
+        found = list(team.run("screen", [rows[k : k + 1] for k in range(3)], until))
+        assert len(found) == 3 and time.monotonic() - began > 3.0
+    finally:
+        team.close()
+
+
+def serve_after_compiling(end, study, beat):
+    """As a worker that compiles anew for each candidate."""
+    honest = workers.evaluate
+
+    def compiled(stage, study, rows):
+        with compiling():
+            time.sleep(1.0)
+        return honest(stage, study, rows)
+
+    workers.evaluate = compiled
     workers._serve(end, study, beat)
 
 
