@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from compass.core.fold import arc_events, azimuth_of, circle_frame
+from compass.core.fold import Sides, arc_events, azimuth_of, circle_frame
 from compass.core.jit import kernel
 
 FULL = 4.0 * math.pi
@@ -118,7 +118,7 @@ def areas_by_fold(caps, cosines):
         Shape (n + 1,).
     """
     n = cosines.size
-    nothing, floors = np.empty((0, 3)), np.empty(0)
+    nothing = Sides(np.empty((0, 3)), np.empty(0))
     place, step = np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
     swept, turned = np.zeros(n + 1), np.ones(n + 1, dtype=np.complex128)
     before, after = np.empty(3), np.empty(3)
@@ -128,7 +128,7 @@ def areas_by_fold(caps, cosines):
         if c >= 1.0 or c <= -1.0:
             continue
         u, frame = caps[i], circle_frame(caps[i])
-        depth, events = arc_events(u, c, i, caps, cosines, nothing, floors, True, True, place, step)
+        depth, events = arc_events(u, c, i, caps, cosines, nothing, True, True, place, step)
         depth += doubles[i]
         last = azimuth_of(place[events - 1]) - 2.0 * math.pi if events else -math.pi
         first = last

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.figure import stretched_caps
-from compass.core.fold import cap_cosine, cell_point, extreme_fold
+from compass.core.fold import Sides, cap_cosine, cell_point, extreme_fold
 from compass.core.jit import kernel
 from compass.core.kepler import elliptic_states
 
@@ -59,13 +59,6 @@ class Ground(NamedTuple):
     radius: float
     stretch: float
     mask: float
-
-
-class Sides(NamedTuple):
-    """Half-spaces whose common part of the sphere is a region, as in `extreme_fold`."""
-
-    normals: NDArray[np.float64]
-    floors: NDArray[np.float64]
 
 
 @kernel
@@ -141,7 +134,7 @@ def settle(orbits, frame, ground, sides, low, k, start, stop, tolerance, max_nod
     orbits, frame, ground
         `Orbits`, `Frame` (on an ellipsoid one that turns about the pole) and `Ground`.
     sides
-        `Sides`; of an ellipsoid stretched along the pole to a sphere.
+        `compass.core.fold.Sides`; of an ellipsoid stretched along the pole to a sphere.
     low, k
         The claim.
     start, stop
@@ -195,8 +188,8 @@ def settle(orbits, frame, ground, sides, low, k, start, stop, tolerance, max_nod
             wander = stray[s] + frame.error
             largest = max(largest, wander + by_time)
             cosines[s] = cap_cosine(radius[s] if low else outer[s], -wander if low else wander)
-        where, limits = normals[:rows], heights[:rows]
-        fold, curve, _, _ = extreme_fold(u, cosines, where, limits, low, True, k)
+        where = Sides(normals[:rows], heights[:rows])
+        fold, curve, _, _ = extreme_fold(u, cosines, where, low, True, k)
         if curve == n and rows > 0:
             continue  # no circle and no rim has a point here: a band beside the region
         if (low and fold >= k) or (not low and fold <= k):
@@ -204,9 +197,9 @@ def settle(orbits, frame, ground, sides, low, k, start, stop, tolerance, max_nod
         for s in range(n):
             cosines[s] = cap_cosine(outer[s] if low else radius[s], 0.0)
         everywhere = -1 if low else n + 1  # no early return: the widest of the extreme arcs
-        fold, curve, azimuth, width = extreme_fold(u, cosines, where, limits, low, True, everywhere)
+        fold, curve, azimuth, width = extreme_fold(u, cosines, where, low, True, everywhere)
         if (low and fold < k) or (not low and fold > k):
-            point, fold, found = cell_point(curve, azimuth, width, u, cosines, where, limits, low)
+            point, fold, found = cell_point(curve, azimuth, width, u, cosines, where, low)
             if found and ((low and fold < k) or (not low and fold > k)):
                 return REFUTED, nodes, open_parts, unsettled, middle, point, fold
         waist = 0.5 * (south + north)

@@ -22,8 +22,10 @@ between.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.jit import kernel
 from compass.core.sort import sort_together
@@ -39,6 +41,16 @@ OUTSIDE = 1_000_000
 
 #: No circle is thin: of `thin_circle`.
 WELL = 1_000_000
+
+
+class Sides(NamedTuple):
+    """Sides of a region, whose places p have ``normals[k].p >= floors[k]`` for every k.
+
+    Shapes (m, 3) and (m,); with m = 0 it is the whole sphere.
+    """
+
+    normals: NDArray[np.float64]
+    floors: NDArray[np.float64]
 
 
 @kernel
@@ -99,7 +111,7 @@ def azimuth_of(place):
 
 
 @kernel
-def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
+def arc_events(u, cosine, skip, caps, cosines, sides, low, certain, place, step):
     """Where along a circle caps but `skip`, and parts of the region, are entered and left.
 
     Fills `place` with diamond angles and `step` with the change of depth there, sorted, and
@@ -113,6 +125,7 @@ def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, pla
     b0, b1, b2 = b
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
     base, events = 0, 0
+    region, floors = sides.normals, sides.floors
     n, m = cosines.size, floors.size
     for j in range(n + m):
         if j < n:
@@ -170,16 +183,14 @@ def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, pla
 
 
 @kernel
-def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
+def _sweep(u, cosine, skip, caps, cosines, sides, low, certain, place, step):
     """Extreme depth of the caps but `skip` along a circle inside the region: depth, place, width.
 
     `low` picks the least depth, else the greatest; `certain` as in `extreme_fold`. Place and
     width are diamond angles of the widest such arc; the depth is past `OUTSIDE` if no arc is
     inside the region.
     """
-    base, events = arc_events(
-        u, cosine, skip, caps, cosines, region, floors, low, certain, place, step
-    )
+    base, events = arc_events(u, cosine, skip, caps, cosines, sides, low, certain, place, step)
     sign = 1 if low else -1
     if events == 0:
         return base * sign, 0.0, 4.0
@@ -198,7 +209,7 @@ def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, 
 
 
 @kernel
-def extreme_fold(caps, cosines, region, floors, low, certain, stop):
+def extreme_fold(caps, cosines, sides, low, certain, stop):
     """Least (`low`) or greatest fold over the sphere or a region of it.
 
     Parameters
@@ -206,9 +217,8 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
     caps, cosines
         Unit vectors, shape (n, 3), and cosines of the caps, shape (n,); a cosine of 1 or more is
         an empty cap, of -1 or less a full one.
-    region, floors
-        The region is where ``region[k].p >= floors[k]`` for every k; shapes (m, 3) and (m,).
-        With m = 0 it is the whole sphere.
+    sides
+        `Sides` of the region.
     low, certain
         Which extreme, and to which side rounding errs: a ``certain`` result bounds the fold of
         every point (never above the least fold, never below the greatest); the other one is
@@ -224,6 +234,7 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
         a factor of two in radians.
         Curve ``n`` stands for no curve at all: no circle is there.
     """
+    region, floors = sides.normals, sides.floors
     n, m = cosines.size, floors.size
     place = np.empty(2 * (n + m))
     step = np.empty(2 * (n + m), dtype=np.int64)
@@ -236,9 +247,7 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
             centre, cosine = caps[i], cosines[i]
         else:
             centre, cosine = region[-1 - i], floors[-1 - i]
-        depth, at, wide = _sweep(
-            centre, cosine, i, caps, cosines, region, floors, low, certain, place, step
-        )
+        depth, at, wide = _sweep(centre, cosine, i, caps, cosines, sides, low, certain, place, step)
         if abs(depth) >= OUTSIDE // 2:
             continue
         if not low and i >= 0:
@@ -256,11 +265,12 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
 
 
 @kernel
-def thin_beside(i, caps, cosines, region, floors, k):
+def thin_beside(i, caps, cosines, sides, k):
     """Whether fewer than `k` caps may be beside circle i: 1, 0, or -1 where it is not there.
 
     Parameters as of `extreme_fold`; i as its curve.
     """
+    region, floors = sides.normals, sides.floors
     n, m = cosines.size, floors.size
     if i < -m or i >= n or (i >= 0 and (cosines[i] >= 1.0 or cosines[i] <= -1.0)):
         return -1
@@ -270,14 +280,14 @@ def thin_beside(i, caps, cosines, region, floors, k):
         centre, cosine = caps[i], cosines[i]
     else:
         centre, cosine = region[-1 - i], floors[-1 - i]
-    depth = _sweep(centre, cosine, i, caps, cosines, region, floors, True, True, place, step)[0]
+    depth = _sweep(centre, cosine, i, caps, cosines, sides, True, True, place, step)[0]
     if abs(depth) >= OUTSIDE // 2:
         return -1
     return 1 if depth < k else 0
 
 
 @kernel
-def thin_circle(caps, cosines, region, floors, k, first):
+def thin_circle(caps, cosines, sides, k, first):
     """Circle beside which fewer than `k` caps may be; `WELL` where k or more surely are everywhere.
 
     What `extreme_fold` says of the least fold, certain, without how low it is. A region that has
@@ -285,7 +295,7 @@ def thin_circle(caps, cosines, region, floors, k, first):
 
     Parameters
     ----------
-    caps, cosines, region, floors
+    caps, cosines, sides
         As in `extreme_fold`.
     k
         Fold.
@@ -297,12 +307,12 @@ def thin_circle(caps, cosines, region, floors, k, first):
     int
         As the curve of `extreme_fold`, or `WELL`.
     """
-    n, m = cosines.size, floors.size
-    if thin_beside(first, caps, cosines, region, floors, k) == 1:
+    n, m = cosines.size, sides.floors.size
+    if thin_beside(first, caps, cosines, sides, k) == 1:
         return first
     met = m > 0
     for i in range(-m, n):
-        thin = thin_beside(i, caps, cosines, region, floors, k)
+        thin = thin_beside(i, caps, cosines, sides, k)
         if thin == 1:
             return i
         met = met or thin == 0
@@ -314,7 +324,7 @@ def thin_circle(caps, cosines, region, floors, k, first):
 
 
 @kernel
-def cell_point(curve, azimuth, width, caps, cosines, region, floors, low):
+def cell_point(curve, azimuth, width, caps, cosines, sides, low):
     """Point inside the cell beside an arc that `extreme_fold` found, and the fold there.
 
     The point steps off the arc (outwards for the least fold, inwards for the greatest, into the
@@ -322,6 +332,7 @@ def cell_point(curve, azimuth, width, caps, cosines, region, floors, low):
     extreme fold met is kept. Caps that pass within `PRODUCT_SLACK` of the point count against
     the extreme, so the fold is never below that of the point for ``low``, never above for not.
     """
+    region, floors = sides.normals, sides.floors
     n, m = cosines.size, floors.size
     best, found = 0, False
     chosen = np.zeros(3)

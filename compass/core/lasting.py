@@ -32,7 +32,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.figure import stretched_cap
-from compass.core.fold import WELL, cap_cosine, cell_point, extreme_fold, thin_beside, thin_circle
+from compass.core.fold import (
+    WELL,
+    Sides,
+    cap_cosine,
+    cell_point,
+    extreme_fold,
+    thin_beside,
+    thin_circle,
+)
 from compass.core.jit import kernel
 from compass.core.path import path_state, piece_of, pull_bound
 
@@ -63,8 +71,8 @@ class MovingCaps(NamedTuple):
         Radius of the sphere (equatorial, m), the ellipsoid's stretch (1: a sphere), the mask,
         radians, and the band of users, sines of their latitudes on the stretched sphere. On an
         ellipsoid the frame is not `FREE`.
-    region, floors
-        As in `compass.core.fold.extreme_fold`.
+    sides
+        Of the region and the band.
     """
 
     breaks: NDArray[np.float64]
@@ -73,8 +81,7 @@ class MovingCaps(NamedTuple):
     turns: NDArray[np.float64]
     frame: int
     ground: tuple[float, float, float, float, float]
-    region: NDArray[np.float64]
-    floors: NDArray[np.float64]
+    sides: Sides
 
 
 @kernel
@@ -97,7 +104,7 @@ def caps_between(caps, pulls, piece, middle, half, u, radius, stray):
     bool
         Whether bounds could be had; not if a satellite could come down to the sphere.
     """
-    breaks, paths, errors, turns, frame, ground, _, _ = caps
+    breaks, paths, errors, turns, frame, ground, _ = caps
     sphere, stretch, mask, south, north = ground
     n = paths.shape[1]
     state = np.empty((n, 6))
@@ -202,7 +209,7 @@ def first_loss(caps, k, start, stop, resolution, tolerance, max_nodes):
         coverage is surely lost (infinite if it is not) and where; intervals left open and the
         first `KEPT` of them.
     """
-    breaks, paths, _, _, _, _, region, floors = caps
+    breaks, paths, _, _, _, _, sides = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
@@ -237,7 +244,7 @@ def first_loss(caps, k, start, stop, resolution, tolerance, max_nodes):
                         moving = stray[s, 0] - stray[s, 1]
                         slowest = slowest and moving <= max(tolerance, stray[s, 1])
                         cosines[s] = cap_cosine(radius[s], -stray[s, 0])
-                    thin = thin_circle(u, cosines, region, floors, k, thin)
+                    thin = thin_circle(u, cosines, sides, k, thin)
                     done = thin == WELL
                     still = still or slowest
                     if not done:
@@ -246,13 +253,13 @@ def first_loss(caps, k, start, stop, resolution, tolerance, max_nodes):
                         # where it is thin on the way it may be at the middle; only the last look
                         # at an interval is at all circles
                         fold = k
-                        if still or thin_beside(thin, u, cosines, region, floors, k) != 0:
+                        if still or thin_beside(thin, u, cosines, sides, k) != 0:
                             fold, curve, azimuth, width = extreme_fold(
-                                u, cosines, region, floors, True, True, -1
+                                u, cosines, sides, True, True, -1
                             )
                         if fold < k:
                             point, fold, found = cell_point(
-                                curve, azimuth, width, u, cosines, region, floors, True
+                                curve, azimuth, width, u, cosines, sides, True
                             )
                             if found and fold < k:
                                 lost, limit, depth = middle, middle, 0
@@ -280,7 +287,7 @@ def first_loss(caps, k, start, stop, resolution, tolerance, max_nodes):
 
 
 @kernel
-def margin_at(u, radius, region, floors, k, low, high, tolerance):
+def margin_at(u, radius, sides, k, low, high, tolerance):
     """How much all caps may shrink, radians, with the fold still k; between `low` and `high`.
 
     By halving; the result is on the safe side by less than `tolerance`. Negative where they must
@@ -291,7 +298,7 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
         middle = 0.5 * (low + high)
         for s in range(radius.size):
             cosines[s] = cap_cosine(radius[s], -middle)
-        thin = thin_circle(u, cosines, region, floors, k, thin)
+        thin = thin_circle(u, cosines, sides, k, thin)
         if thin == WELL:
             low = middle
         else:
@@ -305,7 +312,7 @@ def margins(caps, k, times, tolerance):
 
     They differ by what lies between an ellipsoid's caps; on a sphere they are one.
     """
-    breaks, paths, _, _, _, ground, region, floors = caps
+    breaks, paths, _, _, _, ground, sides = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls, tried = np.zeros(n), np.empty(n)
@@ -320,9 +327,7 @@ def margins(caps, k, times, tolerance):
                 if side == 1 and vague == 0.0:
                     least[j, 1] = least[j, 0]
                 else:
-                    least[j, side] = margin_at(
-                        u, tried, region, floors, k, -math.pi, math.pi, tolerance
-                    )
+                    least[j, side] = margin_at(u, tried, sides, k, -math.pi, math.pi, tolerance)
     return least
 
 
@@ -340,7 +345,7 @@ def least_margin(caps, k, start, stop, tolerance, max_nodes):
         The least margin is not below the first (but for the paths' errors, which count against
         it) nor above the second.
     """
-    breaks, paths, _, _, _, ground, region, floors = caps
+    breaks, paths, _, _, _, ground, sides = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
@@ -367,7 +372,7 @@ def least_margin(caps, k, start, stop, tolerance, max_nodes):
                     fixed = max(fixed, stray[s, 1])
                     slow = slow and stray[s, 0] <= 2.0 * stray[s, 1]
                     cosines[s] = cap_cosine(radius[s], -goal - stray[s, 0])
-                thin = thin_circle(u, cosines, region, floors, k, thin)
+                thin = thin_circle(u, cosines, sides, k, thin)
                 if thin == WELL:
                     below = min(below, goal)
                     continue
@@ -376,11 +381,11 @@ def least_margin(caps, k, start, stop, tolerance, max_nodes):
                     cosines[s] = cap_cosine(radius[s], -above)
                 # the circle that is thin somewhen in the interval; all of them only if it is the
                 # last look, or the first
-                lower = thin_beside(thin, u, cosines, region, floors, k) == 1
+                lower = thin_beside(thin, u, cosines, sides, k) == 1
                 if last or (above == math.pi and not lower):
-                    lower = thin_circle(u, cosines, region, floors, k, thin) != WELL
+                    lower = thin_circle(u, cosines, sides, k, thin) != WELL
                 if lower:
-                    above = margin_at(u, radius, region, floors, k, -math.pi, above, 1e-6) + 1e-6
+                    above = margin_at(u, radius, sides, k, -math.pi, above, 1e-6) + 1e-6
                     vague = 0.0 if ground[1] == 1.0 else fixed
                 if last:
                     below = min(below, above - furthest)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certificate import KEPT, PROVEN, REFUTED, UNDECIDED, Ground, Sides, settle
+from compass.core.certificate import KEPT, PROVEN, REFUTED, UNDECIDED, Ground, settle
 from compass.coverage.cap import cap_radius
 from compass.coverage.fold import caps_of, fold_extremes
 from compass.coverage.motion import motion_of
@@ -243,8 +243,7 @@ def _settle(
     sphere_radius, stretch = figure
     orbits, frame = motion_of(constellation, span, region, about_pole=stretch != 1.0)
     frame = frame._replace(error=frame.error * stretch)
-    flat = region.stretched(stretch)
-    ground, sides = Ground(sphere_radius, stretch, mask), Sides(flat.normals, flat.floors)
+    ground, sides = Ground(sphere_radius, stretch, mask), region.stretched(stretch).sides
     nodes, unsettled = 0, list[tuple[float, float]]()
     for start, stop in progress(revolutions(constellation, span.start, span.stop)):
         outcome, looked, parts, open_, time, point, fold = settle(

@@ -59,7 +59,7 @@ def fold_extremes(directions: ArrayLike, radius: ArrayLike, region: Region = GLO
     extremes = []
     for low in (True, False):
         no_stop = -1 if low else len(u) + 1
-        arrangement = (u, cosines, region.normals, region.floors)
+        arrangement = (u, cosines, region.sides)
         bound, curve, azimuth, width = extreme_fold(*arrangement, low, True, no_stop)
         reached = extreme_fold(*arrangement, low, False, no_stop)[0]
         place, count, inside = cell_point(curve, azimuth, width, *arrangement, low)

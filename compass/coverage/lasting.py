@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.core.fold import Sides
 from compass.core.lasting import (
     ABOUT_POLE,
     FREE,
@@ -353,8 +354,7 @@ def _caps(
     anyhow = region.is_globe and stretch == 1.0
     frame = WITH_MARS if region.mars_fixed else FREE if anyhow else ABOUT_POLE
     turns = prime_meridian_angle(path.epoch, path.breaks)
-    flat, (south, north) = region.stretched(stretch), band
-    normals, floors = np.array(flat.normals), np.array(flat.floors)  # one type to the compiler
+    (normals, floors), (south, north) = region.stretched(stretch).sides, band
     for sign, rim in ((1.0, south), (-1.0, -north)):
         if rim > -1.0:
             normals, floors = np.vstack([normals, [0.0, 0.0, sign]]), np.append(floors, rim)
@@ -365,8 +365,7 @@ def _caps(
         turns,
         frame,
         (float(sphere_radius), float(stretch), float(mask), float(south), float(north)),
-        normals,
-        floors,
+        Sides(normals, floors),
     )
 
 

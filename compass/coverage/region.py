@@ -1,6 +1,7 @@
 """Parts of the sphere: bands of latitude, polygons with great-circle edges, and unions of them."""
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +10,9 @@ from compass.coverage.polygon import convex_parts
 from compass.errors import ArgumentError
 from compass.frames import direction, latitude_longitude
 from compass.words import latitude_words
+
+if TYPE_CHECKING:
+    from compass.core.fold import Sides
 
 _FORMS = (
     "write globe, lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... of three or more corners, in degrees"
@@ -33,6 +37,13 @@ class Region:
     normals: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     floors: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     mars_fixed: bool = False
+
+    @property
+    def sides(self) -> "Sides":
+        """Its sides as kernels take them: arrays of one type to the compiler, not read-only."""
+        from compass.core.fold import Sides  # files are read without the compiler
+
+        return Sides(np.array(self.normals), np.array(self.floors))
 
     @property
     def is_globe(self) -> bool:

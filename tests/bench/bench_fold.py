@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from compass.core.count import count_rows
-from compass.core.fold import extreme_fold
+from compass.core.fold import Sides, extreme_fold
 from compass.coverage.certificate import prove_fold
 from compass.coverage.fold import caps_of
 from compass.coverage.grid import equal_angle_grid
@@ -37,8 +37,8 @@ def exact(size):
     """Exact least fold of a constellation at one epoch, as a call without arguments."""
     c = walker_delta(size, size // 5, 1, inclination_deg=55, radius_km=ORBIT / 1e3)
     u, radius = caps_of(c, R, 0.0, 100.0)
-    cosines, nothing = np.cos(radius), (np.empty((0, 3)), np.empty(0))
-    return lambda: extreme_fold(u, cosines, *nothing, True, True, -1)
+    cosines, nothing = np.cos(radius), Sides(np.empty((0, 3)), np.empty(0))
+    return lambda: extreme_fold(u, cosines, nothing, True, True, -1)
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from compass.core.fold import (
     EVERYTHING,
     NOTHING,
     WELL,
+    Sides,
     azimuth_of,
     cap_cosine,
     circle_frame,
@@ -162,9 +163,9 @@ def test_bounds_enclose_the_truth_when_rims_of_a_ring_touch():
 
 def test_early_stop_is_below_the_threshold():
     u, radius = random_caps(3, 7)
-    nothing = np.empty((0, 3)), np.empty(0)
+    nothing = Sides(np.empty((0, 3)), np.empty(0))
     least = fold_extremes(u, radius).least
-    stopped = extreme_fold(u, np.cos(radius), *nothing, True, True, least + 2)[0]
+    stopped = extreme_fold(u, np.cos(radius), nothing, True, True, least + 2)[0]
     assert least <= stopped < least + 2
 
 
@@ -173,25 +174,26 @@ def test_early_stop_is_below_the_threshold():
 def test_a_thin_circle_is_one_where_the_least_fold_is_too_low(seed, parts):
     u, radius = random_caps(seed, 9, equal=False)
     cosines = np.cos(radius)
-    region = np.array([[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]])[:parts], np.full(2, 0.3)[:parts]
-    least = extreme_fold(u, cosines, *region, True, True, -1)[0]
+    normals = np.array([[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]])[:parts]
+    region = Sides(normals, np.full(2, 0.3)[:parts])
+    least = extreme_fold(u, cosines, region, True, True, -1)[0]
     for k in range(least - 1, least + 3):
         for first in (WELL, -2, -1, 0, 8):
-            thin = thin_circle(u, cosines, *region, k, first)
+            thin = thin_circle(u, cosines, region, k, first)
             assert (thin == WELL) == (least >= k)
             if thin != WELL:
                 assert -parts <= thin < 9
-                assert thin_circle(u, cosines, *region, k, thin) == thin
+                assert thin_circle(u, cosines, region, k, thin) == thin
 
 
 def test_caps_without_a_rim_cover_everything_or_nothing():
     u, _ = random_caps(0, 2)
-    nothing, full = (np.empty((0, 3)), np.empty(0)), np.full(2, EVERYTHING)
-    assert thin_circle(u, full, *nothing, 2, WELL) == WELL
-    assert thin_circle(u, full, *nothing, 3, WELL) == 2  # no circle: everywhere
-    assert thin_circle(u, np.full(2, NOTHING), *nothing, 1, WELL) == 2
-    nowhere = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), np.full(2, 0.5)
-    assert thin_circle(u, full, *nowhere, 3, WELL) == WELL
+    nothing, full = Sides(np.empty((0, 3)), np.empty(0)), np.full(2, EVERYTHING)
+    assert thin_circle(u, full, nothing, 2, WELL) == WELL
+    assert thin_circle(u, full, nothing, 3, WELL) == 2  # no circle: everywhere
+    assert thin_circle(u, np.full(2, NOTHING), nothing, 1, WELL) == 2
+    nowhere = Sides(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), np.full(2, 0.5))
+    assert thin_circle(u, full, nowhere, 3, WELL) == WELL
 
 
 def test_shrunk_and_grown_caps():

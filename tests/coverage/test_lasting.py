@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compass.core.fold import Sides
 from compass.core.lasting import ABOUT_POLE, FREE, MovingCaps, caps_between
 from compass.core.nearest import covering_radius
 from compass.core.path import piece_of, pull_bound
@@ -148,7 +149,7 @@ def test_giving_up_is_undecided():
 def oval_caps(frame, ground):
     """Caps of the oval orbits over the whole sphere; Mars stands still."""
     paths = OVAL.breaks, OVAL.paths, OVAL.errors, np.zeros(len(OVAL.breaks))
-    return MovingCaps(*paths, frame, ground, np.empty((0, 3)), np.empty(0))
+    return MovingCaps(*paths, frame, ground, Sides(np.empty((0, 3)), np.empty(0)))
 
 
 @settings(max_examples=40)
