@@ -33,7 +33,7 @@ def test_map_says_what_is_certain(seed_design, tmp_path):
     # 15/5/1 has four satellites in view at times, and lines of sight that lie on a cone
     assert numbers["pdop_worst_bracket"][1] is None
     assert numbers["pdop_worst_at"]["value"] > 1e4
-    assert "The largest PDOP is unbounded near latitude" in str(made)
+    assert "The largest PDOP is unbounded near " in str(made)
 
 
 @pytest.mark.slow
