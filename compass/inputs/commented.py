@@ -6,6 +6,7 @@ do.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -128,7 +129,10 @@ def _placeholder(key: Key) -> str:
     for part in _parts(key.field.annotation):
         if get_origin(part) is Literal:
             return toml_value(get_args(part)[0])
-    kinds = {int: "whole number", float: "number", str: "text", bool: "true or false"}
+    kinds = {
+        datetime: "2030-01-01T00:00:00", int: "whole number", float: "number", str: "text",
+        bool: "true or false",
+    }  # fmt: skip
     hints = {get_origin(part) or part for part in _parts(key.field.annotation)}
     if list in hints:
         return "[...]"

@@ -53,7 +53,7 @@ def paper_sections(result: ReproduceResult) -> list[Section]:
     if figures:
         sections.append(Section("Figures of the paper, computed", figures))
     tables: list[Block] = [
-        comparison_table(f"{title} ({len(rows)})", rows)
+        comparison_table(title, rows)
         for kind, (title, _) in MEANINGS.items()
         if (rows := _of(result, kind))
     ]

@@ -151,7 +151,7 @@ def test_sites_and_regions_beside_them_all_count():
     (one,) = design(
         '[[requirement]]\nsites = ["Gale"]\nregion = ["lat:0:9", "lat:50:60"]\nfold = 1\n'
     ).requirements
-    assert one.where == "Gale, latitudes 0 to 9 deg, latitudes 50 to 60 deg"
+    assert one.where == "Gale, the equator to 9° N, 50° N to 60° N"
 
 
 def test_an_unknown_site_is_one_fault_wherever_it_is_named():

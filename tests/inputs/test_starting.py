@@ -57,6 +57,7 @@ def test_ranges_defaults_and_choices_are_said():
     assert re.search(r'# latitude_kind = "planetocentric" .*one of "planetocentric", "plan', text)
     assert re.search(r"# required_cn0_dbhz = 30.0 .*from -50 to 200", text)
     assert re.search(r"fold = 4 .*from 1 to 1000", text)
+    assert "# epoch = <2030-01-01T00:00:00>" in text
 
 
 def test_a_name_that_is_not_there_is_answered_with_near_ones():
