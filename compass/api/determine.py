@@ -185,8 +185,12 @@ class DetermineResult(Result):
                     *(Value(share, value) for value in values),
                 )
             )
+        epochs = {tracked.shape[1] for tracked in self.determination.tracked.values()}
+        title = (
+            f"Who measures when: a satellite's share of the arc's {max(epochs, default=0)} epochs"
+        )
         header = ("", "measurements", *(f"{share.heading}, {w}" for w in ("least", "mean", "most")))
-        return Table("Who measures when: a satellite's share of the arc", header, tuple(rows))
+        return Table(title, header, tuple(rows))
 
     def _cells(self, sigma: Any, tracking: Tracking | None = None) -> tuple[Value, ...]:
         numbers = self._numbers(sigma, tracking)

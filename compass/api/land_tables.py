@@ -58,7 +58,7 @@ def entry_tables(assessment: Assessment) -> tuple[Table, ...]:
         Table("Largest loads", ("quantity", "largest", "unit", "at, s"), tuple(peaks)),
         Table(
             "Beacons",
-            ("beacon", "share of time in view, %", "epochs measured", "range noise, m"),
+            ("beacon", "share of epochs in view, %", "epochs measured", "range noise, m"),
             tuple(view),
         ),
         *(

@@ -111,9 +111,10 @@ def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[
     for name in dataset.error.values.tolist():
         if drawn:
             values = drawn.values[name]
-            found[name] = percentiles(values, _percents(dataset)) | share_of(
-                "share", values <= limit
-            )
+            share = share_of("share", values <= limit)
+            if len(drawn.satellites) < 4:
+                share = {"share": 0.0, "share_bracket": [0.0, 0.0]}
+            found[name] = percentiles(values, _percents(dataset)) | share
             continue
         of = dataset.sel(error=name)
         found[name] = _of_cells(dataset, of.cells_error) | {"share": float(of.cells_error_share)}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import compass
+from compass.coverage.errors import ERRORS
 from compass.document.blocks import Sentence, walk
 from compass.inputs import read_design_text
 from compass.pages.aloft import aloft_section, maps_aloft, standings
@@ -98,6 +99,9 @@ def test_a_design_that_never_has_a_fix_gets_no_bars():
     assert [p.stem for p in section.pictures] == ["range-budget"]
     assert any("in 100 % fewer than four satellites are in view" in p for p in section.paragraphs)
     assert any("more than 5 % of it there is no fix" in p for p in section.paragraphs)
+    errors = mapped(few + SIGNAL).errors
+    for name in ERRORS:  # proven, not drawn
+        assert (errors[name]["share"], errors[name]["share_bracket"]) == (0.0, [0.0, 0.0])
 
 
 def test_it_is_said_why_errors_and_levels_are_infinite():
