@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import covariance_run
 from compass.core.entry.kinds import PLAIN
-from compass.core.entry.rates import acceleration, through_air, wind_gradient
+from compass.core.entry.rates import World, acceleration, through_air, wind_gradient
 from compass.entry.covariance import LONGEST_STEP, Bound, problem_of
 from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
@@ -248,15 +248,8 @@ def _rate(flight: Trajectory, path: Array, time: float) -> Array:
     model, force = flight.model, np.empty(3)
     bank = float(model.vehicle.bank(time))
     thicker = flight.constants[0] - model.atmosphere.log_reference_density
-    acceleration(
-        path,
-        thicker,
-        flight.constants[1],
-        model.flight_parameters(),
-        np.cos(bank),
-        np.sin(bank),
-        force,
-    )
+    world = World(model.flight_parameters(), thicker, flight.constants[1])
+    acceleration(path, world, np.cos(bank), np.sin(bank), force)
     return np.concatenate([path[3:], force])
 
 

@@ -256,22 +256,14 @@ def assessment_dataset(assessment: Assessment) -> "xr.Dataset":
     for name, (values, unit, text) in columns.items():
         data[name] = (by_time, values, {"units": unit, "long_name": text})
     data = data.assign_coords(beacon=list(assessment.beacons.names), axis=["x", "y", "z"])
-    grid = ("time", "beacon")
-    data["in_view"] = (
-        grid,
-        assessment.seen.astype("i1"),
-        {"units": "1", "long_name": "beacon in view"},
-    )
-    data["measured"] = (
-        grid,
-        assessment.taken.astype("i1"),
-        {"units": "1", "long_name": "beacon measured"},
-    )
-    data["beacon_position"] = (
-        (*grid, "axis"),
-        assessment.beacons.r,
-        {"units": "m", "long_name": "beacon position, Mars-fixed"},
-    )
+    for name, marks, text in (
+        ("in_view", assessment.seen, "beacon in view"),
+        ("measured", assessment.taken, "beacon measured"),
+    ):
+        about = {"units": "1", "long_name": text}
+        data[name] = (("time", "beacon"), marks.astype("i1"), about)
+    about = {"units": "m", "long_name": "beacon position, Mars-fixed"}
+    data["beacon_position"] = (("time", "beacon", "axis"), assessment.beacons.r, about)
     data.attrs["monte_carlo_runs"] = len(mc.errors)
     data.attrs["monte_carlo_diverged"] = int(mc.diverged.sum())
     return data

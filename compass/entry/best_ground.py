@@ -1,7 +1,6 @@
 """The best places for ground beacons."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -13,7 +12,7 @@ from compass.entry.beacons import Beacons
 from compass.entry.covariance import linear_covariance
 from compass.entry.observability import whole_path
 from compass.entry.schedule import Measurements
-from compass.entry.search import Optimum, Start, multistart
+from compass.entry.search import Optimum, multistart
 from compass.entry.trajectory import Trajectory
 from compass.entry.views import spherical_jacobian
 from compass.entry.visible_area import VisibleArea
@@ -121,35 +120,23 @@ def best_ground_beacons(
         edges = Bounds(*np.transpose(bounds))
         return minimize(fine, x, method="Nelder-Mead", bounds=edges, options=options)
 
-    optimum = multistart(
+    named, told = {
+        "minimum-delta": ("minimum-delta (m, s, rad)", lambda found: float(np.exp(-found))),
+        "mean-log-index": (objective, lambda found: -found),
+        "bound-trace": (objective, lambda found: found),
+    }[objective]
+    return multistart(
         coarse,
         polish,
         bounds,
         decode,
-        objective=objective,
-        maximise=objective != "bound-trace",
+        objective=named,
+        told=told,
         starts=starts,
         generations=generations,
         seed=seed,
         threads=threads,
         progress=progress,
-    )
-    return _exponentiated(optimum) if objective == "minimum-delta" else optimum
-
-
-def _exponentiated(optimum: Optimum) -> Optimum:
-    """Turn ``ln delta``, which the search works on, back into delta."""
-    starts = tuple(
-        Start(
-            float(np.exp(s.value)),
-            s.parameters,
-            tuple(np.exp(s.history).tolist()),
-            s.evaluations,
-        )
-        for s in optimum.starts
-    )
-    return replace(
-        optimum, objective="minimum-delta (m, s, rad)", value=starts[0].value, starts=starts
     )
 
 

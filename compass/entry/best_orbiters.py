@@ -101,7 +101,7 @@ def best_orbiters(
         [(0.0, 2 * np.pi), (0.0, np.pi), (0.0, 2 * np.pi)] * count,
         decode,
         objective="integral of det N (s)",
-        maximise=True,
+        told=lambda found: -found,
         starts=starts,
         generations=generations,
         seed=seed,

@@ -163,7 +163,6 @@ def landing_budget(
         problem = problem._replace(noise=np.empty((times.size, 6, 0)))
     shares_run(
         np.ascontiguousarray(path),
-        whole,
         problem,
         np.stack(list(starts.values())),
         names.index(SHAKEN) if SHAKEN in names else -1,

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,21 +111,13 @@ class Campaign:
     def first(self, count: int) -> "Campaign":
         """Return the first `count` entries alone."""
         part = slice(0, count)
-        return replace(
-            self,
-            arrivals=self.arrivals.part(part),
-            goals=None if self.goals is None else self.goals.part(part),
-            paths=self.paths[part],
-            gains=self.gains[part],
-            stops=self.stops[part],
-            banks=self.banks[part],
-            spreads=self.spreads[part],
-            worlds=self.worlds[part],
-            targets=self.targets[part],
-            misses=self.misses[part],
-            beyond=self.beyond[part],
-            arrival_probability=self.arrival_probability[part],
-        )
+        arrays: dict[str, Any] = {
+            name: values[part]
+            for name, values in vars(self).items()
+            if isinstance(values, np.ndarray) and name != "times"
+        }
+        goals = None if self.goals is None else self.goals.part(part)
+        return replace(self, arrivals=self.arrivals.part(part), goals=goals, **arrays)
 
     @property
     def asked(self) -> Arrivals:

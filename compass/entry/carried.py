@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.filter import Problem
+from compass.core.entry.groups import Problem
 from compass.core.entry.guided import Carried
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import longest_step, problem_of
+from compass.entry.covariance import LONGEST_STEP, longest_step, problem_of
 from compass.entry.filters import METHODS, Filter, root
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
@@ -41,55 +41,38 @@ class CarriedFilter:
     measurements: Measurements
     settings: Filter
 
-    @property
-    def longest_step(self) -> float:
-        """Longest Runge-Kutta step, s."""
-        return longest_step(self.measurements)
+    def numbers(self, starts: Array, seed: int) -> Carried:
+        """As the kernels take it, with first estimates and noise of entries that begin at `starts`.
 
-    def numbers(self) -> Carried:
-        """Everything as the kernels take it."""
+        These are of shape (m, 6). Each entry has a stream of its own, so that more entries begin
+        with the same ones.
+        """
         path, model = np.ascontiguousarray(self.planned.path), self.planned.model
         layout = self.settings.layout(self.beacons.size)
+        heard = self.measurements.heard(self.beacons, self.taken, path, model)
+        longest = longest_step(self.measurements)
         problem = problem_of(
-            model,
-            layout,
-            path,
-            self.beacons.times,
-            self.measurements.heard(self.beacons, self.taken, path, model),
-            self.settings.noise,
-            self.longest_step,
+            model, layout, path, self.beacons.times, heard, self.settings.noise, longest
         )
-        return Carried(
-            problem,
-            layout.covariance(np.asarray(self.settings.covariance0, dtype=float)),
-            self.settings.iterations,
-            METHODS[self.settings.method],
-        )
-
-    def drawn(self, numbers: Carried, starts: Array, seed: int) -> tuple[Array, Array]:
-        """First estimates (m, s) of entries that begin at `starts` (m, 6), and draws of the noise.
-
-        From its `numbers`. Each entry has a stream of its own, so that more entries begin with the
-        same ones.
-        """
-        layout = self.settings.layout(self.beacons.size)
-        factor, shape = root(numbers.covariance), numbers.problem.variances.shape
-        firsts, noise = np.zeros((len(starts), layout.size)), np.empty((len(starts), *shape))
+        covariance = layout.covariance(np.asarray(self.settings.covariance0, dtype=float))
+        factor, count, shape = root(covariance), len(starts), problem.variances.shape
+        firsts, noise = np.zeros((count, layout.size)), np.empty((count, *shape))
         firsts[:, :6] = starts
-        for m, stream in enumerate(np.random.SeedSequence(seed).spawn(len(starts))):
+        for m, stream in enumerate(np.random.SeedSequence(seed).spawn(count)):
             generator = np.random.default_rng(stream)
             off = factor @ generator.standard_normal(layout.size)
             off[[at for at in (layout.place("air"), layout.place("lift")) if at >= 0]] = 0.0
             firsts[m] += off
             noise[m] = generator.standard_normal(shape)
-        return firsts, noise
+        method, iterations = METHODS[self.settings.method], self.settings.iterations
+        return Carried(problem, covariance, iterations, method, firsts, noise)
 
 
-def nothing_carried(entries: int) -> tuple[Carried, Array, Array]:
+def nothing_carried(entries: int) -> Carried:
     """What the kernels take of guidance that knows the true state."""
     none, three = np.empty((0, 0)), np.empty((0, 0, 6))
     problem = Problem(
-        np.empty(0), np.zeros((1, 2)), np.empty(0), 0.0, three, none, np.empty(0), three,
-        np.empty((0, 0, 0)), np.empty(0, dtype=np.int64), Layout().numbers(),
+        np.empty(0), np.zeros((1, 2)), np.empty(0), LONGEST_STEP, three, none, np.empty(0),
+        three, np.empty((0, 0, 0)), np.empty(0, dtype=np.int64), Layout().numbers(),
     )  # fmt: skip
-    return Carried(problem, none, 1, 0), np.empty((entries, 0)), np.empty((entries, 0, 0, 0))
+    return Carried(problem, none, 1, 0, np.empty((entries, 0)), np.empty((entries, 0, 0, 0)))

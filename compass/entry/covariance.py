@@ -14,7 +14,7 @@ from compass.entry.views import spherical_jacobian
 from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from compass.core.entry.filter import Problem
+    from compass.core.entry.groups import Problem
 
 #: Longest Runge-Kutta step of filters and covariances, s. Over it a flight at 13 g is off by
 #: less than 2 mm and 0.1 mm/s.
@@ -152,7 +152,7 @@ def problem_of(
     longest
         Longest Runge-Kutta step, s.
     """
-    from compass.core.entry.filter import Problem
+    from compass.core.entry.groups import Problem
 
     epochs = np.array(times, dtype=float)
     walk, fade = layout.steps(path, epochs)

@@ -1,17 +1,17 @@
 """Entries that differ from the planned one: where they come down, guided or not."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.guide import Until
-from compass.core.entry.guided import dispersed_flights
+from compass.core.entry.guided import Carried, Flown, dispersed_flights
 from compass.cores import in_blocks
 from compass.entry.accuracy import Ellipse, error_ellipse
 from compass.entry.carried import CarriedFilter, nothing_carried
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
-from compass.entry.covariance import LONGEST_STEP
 from compass.entry.guidance import GROUND, Dispersion, Guidance
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
@@ -181,30 +181,17 @@ def fly_dispersed(
     planned, drawn = cartesian_of(np.asarray(state, dtype=float)[:6]), dispersion.draws(seed)
     if guidance is None:  # where the planned one comes to, they are measured from
         drawn = np.vstack([np.zeros(8), drawn])
-    watch, level = watched_level(truth, trigger or GROUND)
-    starts, worlds = planned + drawn[:, :6], np.ascontiguousarray(drawn[:, 6:])
-    count = len(drawn)
-    times, ends, told = np.empty(count), np.empty((count, 6)), np.zeros((count, 8))
-    numbers = np.empty(0) if guidance is None else guidance.numbers()
-    filtered, firsts, noise = nothing_carried(count)
-    longest = LONGEST_STEP
+    starts, worlds, count = planned + drawn[:, :6], drawn[:, 6:], len(drawn)
+    filtered = nothing_carried(count)
     if carried is not None:
-        longest, filtered = carried.longest_step, carried.numbers()
-        firsts, noise = carried.drawn(filtered, starts, seed)
-    until = Until(float(seconds), longest, watch, level, truth.planet_radius)
-    p, q, bank = (
-        truth.flight_parameters(),
-        known.flight_parameters(),
-        truth.vehicle.bank_schedule(),
-    )
-
-    def work(part: slice) -> None:
-        dispersed_flights(
-            starts[part], worlds[part], p, q, numbers, bank, until, filtered, firsts[part],
-            noise[part], times[part], ends[part], told[part],
-        )  # fmt: skip
-
-    in_blocks(work, count, BLOCK, threads)
+        filtered = carried.numbers(starts, seed)
+    numbers = np.empty((count, 0))
+    if guidance is not None:
+        numbers = np.tile(guidance.numbers(), (count, 1))
+    flown = flown_to(
+        truth, known, starts, worlds, numbers, trigger, seconds, filtered, threads=threads
+    )  # fmt: skip
+    times, ends, told = flown.times, flown.ends, flown.told
     event = (trigger or GROUND).name
     if guidance is not None:
         return Dispersed(
@@ -224,3 +211,42 @@ def fly_dispersed(
         )
     centre = ends[0, :3] / np.linalg.norm(ends[0, :3])
     return Dispersed(event, times[1:], ends[1:], centre, False)
+
+
+def flown_to(
+    truth: EntryModel,
+    known: EntryModel,
+    starts: Array,
+    worlds: Array,
+    guided: Array,
+    trigger: Trigger | None,
+    seconds: float,
+    carried: Carried,
+    *,
+    rows: int = 0,
+    threads: int | None = None,
+) -> Flown:
+    """Fly entries to a trigger, or to the ground, in so many seconds.
+
+    As `compass.core.entry.guided.dispersed_flights` takes them, each `guided` by numbers of its
+    own, (m, k), or none, (m, 0); of its bank so many `rows` are kept.
+    """
+    watch, level = watched_level(truth, trigger or GROUND)
+    until = Until(float(seconds), carried.problem.longest, watch, level, truth.planet_radius)
+    p, q = truth.flight_parameters(), known.flight_parameters()
+    count, bank = len(starts), truth.vehicle.bank_schedule()
+    flown = Flown(
+        np.empty(count), np.empty((count, 6)), np.empty((count, rows, 2)),
+        np.zeros(count, dtype=np.int64), np.zeros((count, 8)),
+    )  # fmt: skip
+    begins, offsets = np.ascontiguousarray(starts), np.ascontiguousarray(worlds)
+
+    def work(part: slice) -> None:
+        own = carried._replace(firsts=carried.firsts[part], draws=carried.draws[part])
+        out: list[Any] = [values[part] for values in flown]
+        dispersed_flights(
+            begins[part], offsets[part], p, q, guided[part], bank, until, own, Flown(*out)
+        )
+
+    in_blocks(work, count, BLOCK, threads)
+    return flown

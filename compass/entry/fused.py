@@ -9,10 +9,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.groups import Arrangement, Knowledge
-from compass.core.entry.measure import AXES
+from compass.core.entry.groups import Arrangement, Problem
 from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
-from compass.entry.covariance import longest_step, noise_roots
 from compass.entry.filters import root
 from compass.entry.fused_kinds import KINDS_OF_FILTER, Algorithm, Kind, Weighting
 from compass.entry.inertial import InertialCase
@@ -181,32 +179,12 @@ class FusedFilter:
             float(self.gate_start),
         )
 
-    def knowledge(self, case: InertialCase) -> Knowledge:
-        """The world as the filter knows it, as the kernels take it."""
-        walk = np.zeros(self.states)
-        walk[6 : self.noise.size] = self.noise[6:]
-        sources, _, kinds = case.heard(np.ones_like(case.visible))
-        return Knowledge(
-            self.model.flight_parameters(),
-            self.model.vehicle.bank_schedule(),
-            np.array(case.times, dtype=float),
-            longest_step(case.measurements),
-            noise_roots(case.flight.path, case.times, self.noise[:6]),
-            walk,
-            sources,
-            kinds,
-            self.layout.numbers(),
-        )
-
-    def assumed(self, case: InertialCase) -> Array:
-        """Variances that the filter assumes, (t, 3 + n c), of beacons as if all were heard."""
-        _, variances, _ = case.heard(np.ones_like(case.visible))
-        one_way = variances[:, : case.beacons.size, :2]
+    def problem(self, case: InertialCase) -> Problem:
+        """The world and the measurements as the filter knows them, as if all beacons were heard."""
+        heard = case.heard(np.ones_like(case.visible), self.imu_variance)
+        one_way = heard[1][:, : case.beacons.size, :2]
         one_way[:] = np.where(np.isnan(one_way), np.square(case.sigma), one_way)
-        out = np.empty((case.times.size, AXES + variances[0].size))
-        out[:, :AXES] = self.imu_variance
-        out[:, AXES:] = variances.reshape(case.times.size, -1)
-        return out
+        return case.problem(self.model, self.layout, heard, self.noise)
 
     def offset(self, case: InertialCase) -> Array:
         """What the truth is more than the filter's count of each state, (t, s).

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.fused_runs import Outcome, fused_runs
+from compass.core.entry.fused_runs import Drawn, Outcome, fused_runs
 from compass.core.entry.measure import AXES
 from compass.cores import cores
 from compass.entry.consistency import LOST, nees_bounds
@@ -90,38 +90,19 @@ def monte_carlo(
     if not 1 <= runs <= MOST_RUNS:
         raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
     path = case.flight.path
-    arrangement, known = settings.arrangement(), settings.knowledge(case)
-    truth = case.truth(settings.offset(case), faults, see_through)
-    assumed, p0 = settings.assumed(case), settings.covariance
+    arrangement, known, p0 = settings.arrangement(), settings.problem(case), settings.covariance
+    truth = case.truth(settings.layout, settings.offset(case), faults, see_through)
     axes = np.ascontiguousarray(along_cross_down(path))
     up = local_axes(path[-1, :3])
+    sensors = AXES + case.beacons.size + len(case.instruments)
 
     def work(first: int) -> Outcome:
         count = min(BLOCK, runs - first)
-        starts, draws, noises, uniforms = _draws(
-            seed, first, count, assumed.shape, case.beacons.size
-        )
-        out = _outcome(
-            count, case.times.size, case.beacons.size, known.sources.shape[1], settings.states
-        )
-        unknown = starts[:, 6:8] * np.array(settings.known_to)
+        out = _outcome(count, case.times.size, case.beacons.size, sensors, settings.states)
+        drawn = _drawn(case, settings, known.variances.shape, seed, first, count)
         fused_runs(
-            arrangement,
-            truth,
-            known,
-            settings.starts(starts),
-            p0,
-            assumed,
-            settings.kind.lost_is_zero,
-            axes,
-            np.concatenate([draws, np.zeros((*draws.shape[:2], CLOCKS))], axis=2)[
-                ..., settings.numbers
-            ],
-            noises,
-            uniforms,
-            unknown,
-            out,
-        )
+            arrangement, truth, known, p0, settings.kind.lost_is_zero, axes, drawn, out
+        )  # fmt: skip
         return out
 
     sums: dict[str, Array] = {}
@@ -147,6 +128,29 @@ def monte_carlo(
     )
 
 
+def _drawn(
+    case: InertialCase,
+    settings: FusedFilter,
+    shape: tuple[int, ...],
+    seed: int,
+    first: int,
+    count: int,
+) -> Drawn:
+    """What `count` runs have by chance, measurements of the shape (t, n, c)."""
+    epochs, n, c = shape
+    others = n if case.instruments else n - 1
+    rows = AXES + others * (c - AXES)
+    starts, draws, noises, uniforms = _draws(seed, first, count, (epochs, rows), case.beacons.size)
+    shaken = np.concatenate([draws, np.zeros((*draws.shape[:2], CLOCKS))], axis=2)
+    measured = np.zeros((count, *shape))
+    measured[:, :, :others, :-AXES] = noises[..., AXES:].reshape(count, epochs, others, c - AXES)
+    measured[:, :, -1, -AXES:] = noises[..., :AXES]
+    return Drawn(
+        settings.starts(starts), shaken[..., settings.numbers], measured, uniforms,
+        starts[:, 6:8] * np.array(settings.known_to),
+    )  # fmt: skip
+
+
 def _draws(
     seed: int, first: int, count: int, shape: tuple[int, ...], m: int
 ) -> tuple[Array, Array, Array, Array]:
@@ -165,7 +169,7 @@ def _draws(
     return starts, later[..., :DRAWS], later[..., DRAWS:].copy(), uniforms
 
 
-def _outcome(runs: int, epochs: int, m: int, sources: int, states: int) -> Outcome:
+def _outcome(runs: int, epochs: int, m: int, sensors: int, states: int) -> Outcome:
     over = (runs, epochs)
     return Outcome(
         np.empty(runs, dtype=np.int64),
@@ -173,8 +177,8 @@ def _outcome(runs: int, epochs: int, m: int, sources: int, states: int) -> Outco
         np.zeros((*over, states)),
         np.zeros(over),
         np.zeros((*over, m)),
-        np.zeros((*over, AXES + sources), dtype=bool),
-        np.zeros((*over, AXES + sources), dtype=bool),
+        np.zeros((*over, sensors), dtype=bool),
+        np.zeros((*over, sensors), dtype=bool),
         np.zeros((runs, 3, 3)),
     )
 

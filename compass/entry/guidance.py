@@ -5,16 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.cores import in_blocks
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
 from compass.errors import ArgumentError
 from compass.frames import direction
 
 Array = NDArray[np.float64]
-
-#: Entries handed to a thread at once.
-BLOCK = 16
 
 
 @dataclass(frozen=True)
@@ -133,33 +129,18 @@ def guided_banks(
         rows at infinite times fill what is left; states at deployment, (m, 6); and how far targets
         are beyond reach, m, (m,), as `compass.entry.dispersed.Dispersed` has it.
     """
-    from compass.core.entry.guide import Until
-    from compass.core.entry.guided import guided_banks
     from compass.entry.carried import nothing_carried
-    from compass.entry.covariance import LONGEST_STEP
-    from compass.entry.trajectory import watched_level
+    from compass.entry.dispersed import flown_to
 
-    watch, level = watched_level(truth, trigger or GROUND)
-    count = len(starts)
-    banks = np.empty((count, int(2 * seconds) + 4, 2))
-    ends, beyond = np.empty((count, 6)), np.empty(count)
-    rows = np.empty(count, dtype=np.int64)
-    until = Until(float(seconds), LONGEST_STEP, watch, level, truth.planet_radius)
-    common = (
-        truth.flight_parameters(), known.flight_parameters(), guidance.numbers(), until,
-        nothing_carried(0)[0],
+    numbers = np.tile(guidance.numbers(), (len(starts), 1))
+    numbers[:, :3] = targets
+    flown = flown_to(
+        truth, known, starts, worlds, numbers, trigger, seconds, nothing_carried(len(starts)),
+        rows=int(2 * seconds) + 4, threads=threads,
     )  # fmt: skip
-
-    def work(part: slice) -> None:
-        guided_banks(
-            starts[part], worlds[part], targets[part], *common,
-            banks[part], rows[part], ends[part], beyond[part],
-        )  # fmt: skip
-
-    in_blocks(work, count, BLOCK, threads)
-    kept = banks[:, : rows.max()].copy()
-    kept[np.arange(kept.shape[1]) >= rows[:, None]] = [np.inf, 0.0]
-    return kept, ends, beyond * truth.planet_radius
+    kept = flown.banks[:, : flown.rows.max()].copy()
+    kept[np.arange(kept.shape[1]) >= flown.rows[:, None]] = [np.inf, 0.0]
+    return kept, flown.ends, flown.told[:, 7] * truth.planet_radius
 
 
 def with_bank(model: EntryModel, bank: Array) -> EntryModel:

@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Truth
-from compass.core.entry.kinds import ECHO, RANGE
+from compass.core.entry.groups import Problem
+from compass.core.entry.kinds import ACCELERATION, ECHO, RANGE
 from compass.core.entry.measure import AXES
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import noise_roots
+from compass.entry.covariance import longest_step, problem_of
 from compass.entry.faults import Fault, fault_tables
+from compass.entry.layout import Layout
+from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
     ElectronModel,
@@ -115,25 +118,53 @@ class InertialCase:
         measured = self.measurements
         return (*measured.features.names, "own readings") if measured.instruments else ()
 
-    def heard(self, taken: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.int64]]:
+    def heard(
+        self, taken: NDArray[np.bool_], felt: Array
+    ) -> tuple[Array, Array, NDArray[np.int64]]:
         """Sources, variances and kinds along the flight, of the beacons `taken`, (t, m).
 
-        As `compass.entry.schedule.Measurements.heard` gives them.
+        As `compass.entry.schedule.Measurements.heard` gives them, and at every epoch, of the last
+        source, the lander itself, accelerations with variances `felt`, (3,).
         """
         path = np.ascontiguousarray(self.flight.path)
-        return self.measurements.heard(
+        sources, variances, kinds = self.measurements.heard(
             self.beacons, taken, path, self.flight.model, sigmas=self.sigma
         )
+        own = 0 if self.measurements.instruments else 1
+        sources = np.pad(sources, ((0, 0), (0, own), (0, 0)))
+        wide = ((0, 0), (0, own), (0, AXES))
+        variances = np.pad(variances, wide, constant_values=np.nan)
+        variances[:, -1, -AXES:] = felt
+        return sources, variances, np.append(kinds, ACCELERATION + np.arange(AXES))
+
+    def problem(
+        self,
+        model: EntryModel,
+        layout: Layout,
+        heard: tuple[Array, Array, NDArray[np.int64]],
+        noise: Array,
+    ) -> Problem:
+        """Return the case as the kernels take it, in a world, with states and process noise.
+
+        `noise` is as that of a `compass.entry.fused.FusedFilter`.
+        """
+        path = np.ascontiguousarray(self.flight.path)
+        longest = longest_step(self.measurements)
+        problem = problem_of(model, layout, path, self.times, heard, noise[:6], longest)
+        problem.walk[1:, 6 : noise.size] = np.diff(self.times)[:, None] * noise[6:]
+        return problem
 
     def truth(
-        self, offset: Array, faults: Sequence[Fault] = (), see_through: bool = False
+        self, layout: Layout, offset: Array, faults: Sequence[Fault] = (), see_through: bool = False
     ) -> Truth:
         """Return the truth as the kernels take it.
 
         Parameters
         ----------
+        layout
+            States of the filters.
         offset
-            What the truth is more than the filters' count of each state, (t, s).
+            What the truth is more than the filters' count of each, (t, s).
         faults
             What goes wrong.
         see_through
@@ -143,24 +174,16 @@ class InertialCase:
         epochs, m = self.visible.shape
         seen = np.ones_like(self.visible) if see_through else self.visible
         taken = self.measurements.taken(seen, self.times) & ~tables.lost
-        _, variances, kinds = self.heard(taken)
-        sigma = np.empty((epochs, AXES + variances[0].size))
-        sigma[:, :AXES] = self.imu_sigma
-        sigma[:, AXES:] = np.sqrt(variances).reshape(epochs, -1)
-        wrong, error = np.zeros(variances.shape), np.zeros_like(sigma)
-        wrong[:, :m, np.isin(kinds, (RANGE, ECHO))] = tables.offset[..., None]
-        error[:, :AXES], error[:, AXES:] = self.imu_bias, wrong.reshape(epochs, -1)
+        heard = self.heard(taken, np.square(self.imu_sigma))
+        error = np.zeros(heard[1].shape)
+        error[:, :m, np.isin(heard[2], (RANGE, ECHO))] = tables.offset[..., None]
+        error[:, -1, -AXES:] = self.imu_bias
         arrival = np.ones((1, 1)) if self.arrival is None else self.arrival
-        walk = np.zeros(offset.shape[1])
-        walk[6:8] = self.noise[6 : offset.shape[1]][:2]
+        shaken = self.noise[: 8 if layout.place("air") >= 0 else 6]
         return Truth(
             np.ascontiguousarray(self.flight.path),
-            self.flight.model.flight_parameters(),
-            self.flight.model.vehicle.bank_schedule(),
-            noise_roots(self.flight.path, self.times, self.noise[:6]),
-            walk,
+            self.problem(self.flight.model, layout, heard, shaken),
             offset,
-            sigma,
             error,
             np.array(np.broadcast_to(arrival, (epochs, m))),
             tables.alive,

@@ -114,17 +114,9 @@ def _information(covariances: ArrayLike) -> Array:
     p = np.asarray(covariances, dtype=float)
     if p.ndim != 3 or p.shape[1] != p.shape[2]:
         raise ArgumentError(f"covariances of shape {p.shape}: must be (m, n, n)")
-    try:
-        np.linalg.cholesky(p)
-    except np.linalg.LinAlgError as error:
-        bad = [k + 1 for k, one in enumerate(p) if not _definite(one)]
-        raise ArgumentError(f"covariance {bad[0]} of {len(p)}: not positive definite") from error
+    for k, one in enumerate(p, start=1):
+        try:
+            np.linalg.cholesky(one)
+        except np.linalg.LinAlgError as error:
+            raise ArgumentError(f"covariance {k} of {len(p)}: not positive definite") from error
     return np.linalg.inv(p)
-
-
-def _definite(p: Array) -> bool:
-    try:
-        np.linalg.cholesky(p)
-    except np.linalg.LinAlgError:
-        return False
-    return True

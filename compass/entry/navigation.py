@@ -166,7 +166,8 @@ def run_monte_carlo(
         settings.noise,
         longest_step(measurements),
     )
-    spread, p_true = root(covariance0), flight.model.flight_parameters()
+    spread = root(covariance0)
+    world = problem._replace(p=flight.model.flight_parameters())
     size, heard = layout.size, problem.variances.size
 
     def work(part: slice) -> None:
@@ -179,7 +180,7 @@ def run_monte_carlo(
             noise[:, :, : beacons.size][~arrives[part]] = np.nan
         monte_carlo(
             path,
-            p_true,
+            world,
             covariance0,
             problem,
             settings.iterations,

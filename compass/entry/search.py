@@ -65,7 +65,7 @@ def multistart(
     decode: Callable[[NDArray], NDArray],
     *,
     objective: str,
-    maximise: bool,
+    told: Callable[[float], float],
     starts: int,
     generations: int,
     seed: int,
@@ -74,17 +74,16 @@ def multistart(
 ) -> Optimum:
     """Differential evolution, then a local polish from where it ended.
 
-    Both minimise; the values reported are negated back if `maximise`. Each start
-    has its own stream of ``SeedSequence(seed)``, so the threads do not change the result.
+    Both minimise; what they find is reported as `told` makes of it. Each start has its own stream
+    of ``SeedSequence(seed)``, so the threads do not change the result.
     """
     began = time.perf_counter()
-    sign = -1.0 if maximise else 1.0
 
-    def one(stream: np.random.SeedSequence) -> Start:
+    def one(stream: np.random.SeedSequence) -> tuple[float, Start]:
         history: list[float] = []
 
         def record(intermediate_result: object) -> None:
-            history.append(sign * float(intermediate_result.fun))  # type: ignore[attr-defined]
+            history.append(told(float(intermediate_result.fun)))  # type: ignore[attr-defined]
 
         minimum = differential_evolution(
             coarse,
@@ -97,13 +96,15 @@ def multistart(
             callback=record,
         )
         polished = polish(minimum.x)
-        value = sign * float(polished.fun)
-        history.append(value)
+        history.append(told(float(polished.fun)))
         progress()
-        return Start(value, decode(polished.x), tuple(history), minimum.nfev + polished.nfev)
+        evaluations = minimum.nfev + polished.nfev
+        return polished.fun, Start(history[-1], decode(polished.x), tuple(history), evaluations)
 
     with ThreadPoolExecutor(threads) as pool:
-        done = list(pool.map(one, np.random.SeedSequence(seed).spawn(starts)))
-    done.sort(key=lambda start: sign * start.value)
-    best = done[0]
-    return Optimum(objective, best.value, best.parameters, tuple(done), time.perf_counter() - began)
+        done = sorted(
+            pool.map(one, np.random.SeedSequence(seed).spawn(starts)), key=lambda found: found[0]
+        )
+    ordered = tuple(start for _, start in done)
+    best, seconds = ordered[0], time.perf_counter() - began
+    return Optimum(objective, best.value, best.parameters, ordered, seconds)

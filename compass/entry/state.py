@@ -5,6 +5,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 
 HeadingFrom = Literal["north", "east"]
@@ -53,18 +54,9 @@ def state_from_cartesian(r: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
         A vehicle at the centre, or without velocity.
     """
     position, velocity = np.asarray(r, dtype=float), np.asarray(v, dtype=float)
-    radius, speed = float(np.linalg.norm(position)), float(np.linalg.norm(velocity))
-    across = float(np.hypot(position[0], position[1]))
-    if radius == 0.0 or speed == 0.0:
+    if not (position.any() and velocity.any()):
         raise ArgumentError(
             f"position {position.tolist()} m, velocity {velocity.tolist()} m/s: place or direction "
             "is undefined; use a point off the centre and a speed above 0"
         )
-    lon, lat = np.arctan2(position[1], position[0]), np.arctan2(position[2], across)
-    up = position / radius
-    east = np.array([-np.sin(lon), np.cos(lon), 0.0])
-    north = np.cross(up, east)
-    climb = velocity @ up
-    gamma = np.arctan2(climb, np.hypot(velocity @ east, velocity @ north))
-    psi = np.arctan2(velocity @ east, velocity @ north)
-    return np.array([radius, lon, lat, speed, gamma, psi])
+    return spherical_of(np.concatenate([position, velocity]))

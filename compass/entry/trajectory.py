@@ -19,7 +19,7 @@ from compass.core.entry.dop853 import (
     WATCH_SPEED,
     dop853_flight,
 )
-from compass.core.entry.rates import through_air
+from compass.core.entry.rates import World, through_air
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger, check_start
 from compass.entry.views import cartesian_of, spherical_of
@@ -157,9 +157,7 @@ def fly(
     event_times, event_paths = np.empty(len(names)), np.empty((len(names), 6))
     status, count, when = dop853_flight(
         cartesian_of(x0[:6]),
-        x0[6] - model.atmosphere.log_reference_density,
-        x0[7],
-        model.flight_parameters(),
+        World(model.flight_parameters(), x0[6] - model.atmosphere.log_reference_density, x0[7]),
         grid,
         model.vehicle.bank_schedule(),
         RELATIVE_TOLERANCE,

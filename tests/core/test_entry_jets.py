@@ -6,6 +6,7 @@ import pytest
 
 from compass.core import jets
 from compass.core.entry.flow import rk4_step_transition
+from compass.core.entry.rates import World
 from compass.core.entry.series import flow_series, orbit_series, range_series
 from compass.core.jacobi_svd import jacobi_svd
 from compass.core.papers.spherical_geometry import cartesian, cartesian_jacobian, range_rows
@@ -93,7 +94,7 @@ def test_the_flow_series_is_the_flow(rotation, j2, air):
     w = flow_series(x, p, c, s, 10, 8)
     after, whole, step = x[:6].copy(), np.eye(8), np.empty((6, 8))
     for _ in range(100):
-        rk4_step_transition(after.copy(), 0.1, 0.156, p, c, s, 0.01, after, step)
+        rk4_step_transition(after.copy(), World(p, 0.1, 0.156), c, s, 0.01, after, step)
         whole[:6] = step @ whole
     np.testing.assert_allclose(w[:6, :, 0].sum(axis=1), after, rtol=1e-12, atol=1e-8)
     found = w[:6, :, 1:].sum(axis=1)

@@ -9,7 +9,7 @@ import pytest
 from compass.core.entry.flow import advance_transition
 from compass.core.entry.kinds import RANGE
 from compass.core.entry.measure import PLACES, measured
-from compass.core.entry.rates import LIFT
+from compass.core.entry.rates import LIFT, World
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import axes_covariance, linear_covariance, noise_roots
@@ -228,7 +228,14 @@ def exact_run(path, prior, p, bank, times, sources, variance):
         for t in range(times.size):
             if t > 0:
                 advance_transition(
-                    path[t - 1], 0.0, p[LIFT], p, bank, times[t - 1], times[t], 1.0, state, phi
+                    path[t - 1],
+                    World(p, 0.0, p[LIFT]),
+                    bank,
+                    times[t - 1],
+                    times[t],
+                    1.0,
+                    state,
+                    phi,
                 )
                 move = exact(phi[:, :6])
                 covariance = move @ covariance @ move.T

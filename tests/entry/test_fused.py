@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from compass.core.entry.fuse import fuse_run
-from compass.core.entry.groups import Heard, Told, World
-from compass.core.entry.measure import acceleration_rows, ideal_values
-from compass.core.entry.rates import through_air
+from compass.core.entry.groups import Told
+from compass.core.entry.measure import acceleration_row, ideal_values
+from compass.core.entry.rates import World, through_air
 from compass.entry.beacons import surface_beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.covariance import axes_covariance
@@ -86,9 +86,8 @@ def test_rows_of_accelerometers_are_their_derivatives(world, table2, winds):
     p, angle = model.flight_parameters(), (np.cos(0.7), np.sin(0.7))
 
     def read(x, rows):
-        out = np.empty(3)
-        acceleration_rows(x, x[6], 0.156 + x[7], p, *angle, places, rows, out)
-        return out
+        there = World(p, x[6], 0.156 + x[7])
+        return np.array([acceleration_row(k, x, there, *angle, places, rows[k]) for k in range(3)])
 
     rows = np.zeros((3, 11))
     here = read(x, rows)
@@ -122,25 +121,27 @@ def test_one_filter_without_accelerometers_is_the_plain_filter(case):
     seen = Features(("a", "b"), (lat, lat - 0.02), (lon, lon + 0.03), (0.0, 1e3))
     measured = Measurements(*sigma, instruments=kinds, features=seen)
     both = replace(case, sigma=np.tile(sigma, (3, 1)), measurements=measured)
-    sources, variances, numbers = both.heard(case.visible)
+    path = np.ascontiguousarray(case.flight.path)
+    sources, variances, numbers = measured.heard(
+        case.beacons, case.visible, path, case.flight.model
+    )
     z = np.empty(variances.shape)
     model, nothing = case.flight.model, Layout().numbers()
     p, bank = model.flight_parameters(), model.vehicle.bank_schedule()
     times = np.array(case.times)
-    ideal_values(case.flight.path, sources, numbers, nothing, p, bank, times, z)
+    ideal_values(path, sources, numbers, nothing, p, bank, times, z)
     z += np.sqrt(np.nan_to_num(variances)) * rng.standard_normal(z.shape)
     first = case.flight.path[0] + np.repeat([300.0, 3.0], 3)
     states, covariances = run_filter(
         case.flight.model, first, case.beacons, case.visible, measured,
         Filter(known.covariance0, np.zeros(6)), z,
     )  # fmt: skip
-    rows = np.zeros((TIMES.size, 3 + z[0].size))
-    rows[:, 3:] = z.reshape(TIMES.size, -1)
+    rows = np.pad(np.where(np.isnan(variances), np.nan, z), ((0, 0), (0, 0), (0, 3)))
+    rows[:, :-1, -3:] = np.nan
     xs, ps = np.empty((TIMES.size, 6)), np.empty((TIMES.size, 6, 6))
     alive = np.ones((TIMES.size, 3), dtype=bool)
     end = fuse_run(
-        deaf.arrangement(), deaf.knowledge(both), first, deaf.covariance,
-        Heard(rows, deaf.assumed(both), alive), World(0.0, 0.0),
+        deaf.arrangement(), deaf.problem(both), first, deaf.covariance, rows, alive,
         Told(xs, ps, np.empty((TIMES.size, 3)), np.empty(rows.shape, dtype=bool)),
     )  # fmt: skip
     assert end == -1

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from compass.api.land_facts import entry_facts
-from compass.api.land_flight import assess_scenario, entry_section
+from compass.api.land_flight import assess_scenario, disperse_scenario, entry_section
 from compass.entry.consistency import nees_bounds
 from compass.entry.fused_runs import monte_carlo
 from compass.entry.trajectory import fly, trajectory_dataset
@@ -210,7 +210,7 @@ def test_a_scenario_without_air_flies_in_that_of_mars():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_one_run_says_what_many_runs_find(seed):
-    """Linear covariance and Monte Carlo, over landings drawn anywhere: both of position."""
+    """Linear covariance and Monte Carlo, over landings drawn anywhere: position and delivery."""
     rng = np.random.default_rng(seed)
     lat, lon = np.degrees(np.arcsin(rng.uniform(-1, 1))), rng.uniform(-180, 180)
     text = changed(
@@ -222,11 +222,25 @@ def test_one_run_says_what_many_runs_find(seed):
     )
     text = text[: text.index("[[orbiter]]")]
     text += '[beacons]\ndesign = "compass-15-5-1.toml"\n'
-    found = assess_scenario(read_scenario_text(text, folder=DESIGNS), 200)
+    position, velocity = rng.uniform(200, 1000), rng.uniform(0.1, 0.5)
+    text = changed(
+        ("position_sigma_m = 1000", f"position_sigma_m = {position}"),
+        ("velocity_sigma_m_s = 0.5", f"velocity_sigma_m_s = {velocity}"),
+        text=text,
+    )
+    text += f'[[trigger]]\nname = "slow"\nspeed_m_s = {rng.uniform(1000, 4000)}\n'
+    text += f"[dispersion]\nentries = 1000\nposition_m = {position}\nvelocity_m_s = {velocity}\n"
+    scenario = read_scenario_text(text, folder=DESIGNS)
+    found = assess_scenario(scenario, 200)
     assert found.consistency.holds
     ratio = found.monte_carlo.position_rms[5:] / found.bound.position_sigma[5:]
     # a root of a mean square of one dominant direction over 200 runs: 5 % each, five of these
     assert np.abs(ratio - 1).max() < 0.25
+    # 1000 entries that scatter as the prior says: a sigma is good to 2.2 %, five of these
+    scattered, linear = disperse_scenario(scenario, found), found.accuracy.delivery.ellipse
+    assert scattered.reached.all()
+    for axis in ("semi_major", "semi_minor"):
+        assert getattr(scattered.ellipse, axis) == pytest.approx(getattr(linear, axis), rel=0.11)
 
 
 @pytest.mark.parametrize("kind", ["iterated-ekf", "square-root-ekf"])
@@ -334,11 +348,12 @@ def test_fusion_honours_masks_schedule_and_noise():
     filtered = masked.filters[0]
     steps = np.diff(masked.case.times)
     assert steps[0] == 8.0 and filtered.noise[0] == 1.0
-    known = filtered.knowledge(masked.case)
+    known = filtered.problem(masked.case)
     up = masked.case.flight.path[1, :3] / np.linalg.norm(masked.case.flight.path[1, :3])
     assert ((up @ known.noise[1, :3]) ** 2).sum() == pytest.approx(8.0)
     late = fusion_plan(read_scenario_text(text.replace("interval_s = 8", "interval_s = 16")))
-    heard = np.isfinite(late.case.truth(np.zeros((late.case.times.size, 6))).sigma[:, 3:])
+    truth = late.case.truth(late.filters[0].layout, np.zeros((late.case.times.size, 6)))
+    heard = np.isfinite(truth.world.variances[:, : late.case.beacons.size])
     assert not heard[1::2].any() and heard[::2].any()
     ends = [
         float(monte_carlo(p.case, p.filters[0], 2, 0)[0].position_rmse[-1]) for p in (masked, plain)

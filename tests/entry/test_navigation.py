@@ -5,8 +5,9 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from compass.core.entry.flow import advance, advance_spread, advance_transition, retreat
+from compass.core.entry.flow import advance, advance_spread, advance_transition
 from compass.core.entry.predict import spread_factor
+from compass.core.entry.rates import World
 from compass.entry import navigation
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
@@ -83,7 +84,7 @@ def test_ekf_equals_stone_soup(orbiter_case):
     def stepped(state):
         after, phi = np.empty(6), np.empty((6, 8))
         x = np.ravel(state.state_vector).astype(float)
-        advance_transition(x, 0.0, 0.156, p, bank, 0.0, 1.0, 1.0, after, phi)
+        advance_transition(x, World(p, 0.0, 0.156), bank, 0.0, 1.0, 1.0, after, phi)
         return after, phi[:, :6].copy()
 
     class Entry(TransitionModel):
@@ -298,8 +299,8 @@ def test_flights_go_back_the_way_they_came(world, table5):
     p, bank = model.flight_parameters(), model.vehicle.bank_schedule()
     start, there, back = fly(model, table5, [0.0]).path[0], np.empty(6), np.empty(6)
     for begin, end in ((0.0, 90.0), (60.0, 80.5), (55.0, 60.0)):
-        advance(start, 0.1, 0.156, p, bank, begin, end, 1.0, there)
-        retreat(there, 0.1, 0.156, p, bank, end, begin, 1.0, back)
+        advance(start, World(p, 0.1, 0.156), bank, begin, end, 1.0, there)
+        advance(there, World(p, 0.1, 0.156), bank, end, begin, 1.0, back)
         # a second's step is off by 2 mm at 13 g, which drag flown backwards magnifies by some tens
         np.testing.assert_allclose(back[:3], start[:3], rtol=0, atol=0.1)
         np.testing.assert_allclose(back[3:], start[3:], rtol=0, atol=0.01)
@@ -318,13 +319,13 @@ def test_a_spread_moves_as_its_points_do(world, table5):
     spread_factor(covariance, places, factor)
     np.testing.assert_allclose(factor[:7, :7], np.linalg.cholesky(covariance), rtol=1e-9)
     out, phi, bend = np.empty(6), np.empty((6, 8)), np.empty((6, 8))
-    advance_spread(x, factor, 0.1, 0.156, p, bank, 0.0, 2.0, 1.0, out, phi, bend)
+    advance_spread(x, factor, World(p, 0.1, 0.156), bank, 0.0, 2.0, 1.0, out, phi, bend)
     ends = np.empty((14, 6))
     for k in range(14):
         point = (
             np.append(x, 0.1) + (-1) ** k * np.sqrt(7) * np.linalg.cholesky(covariance)[:, k // 2]
         )
-        advance(point[:6], point[6], 0.156, p, bank, 0.0, 2.0, 1.0, ends[k])
+        advance(point[:6], World(p, point[6], 0.156), bank, 0.0, 2.0, 1.0, ends[k])
     np.testing.assert_allclose(out, ends.mean(axis=0), rtol=1e-12)
     found = phi[:, :7] @ covariance @ phi[:, :7].T + bend @ bend.T
     scale = np.sqrt(np.diag(np.cov(ends.T, bias=True)))

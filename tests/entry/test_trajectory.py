@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from compass.bodies import MARS_J2, MARS_J2_RADIUS
-from compass.core.entry.rates import acceleration, acceleration_partials
+from compass.core.entry.rates import World, acceleration, acceleration_partials
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
 from compass.entry.state import azimuth_from_heading, longitude_degrees, state_from_cartesian
@@ -341,11 +341,11 @@ def test_partials_in_wind_are_derivatives(world, table2):
     for k in (60, 110, 200):
         x = fly(windy(world, WINDS), table2, [0.0, float(k)]).path[-1]
         found, up, down = np.empty((3, 8)), np.empty(3), np.empty(3)
-        acceleration_partials(x, 0.1, 0.156, p, 0.6, 0.8, found)
+        acceleration_partials(x, World(p, 0.1, 0.156), 0.6, 0.8, found)
         for j in range(6):
             step = (5.0 if j < 3 else 0.01) * np.eye(6)[j]
-            acceleration(x + step, 0.1, 0.156, p, 0.6, 0.8, up)
-            acceleration(x - step, 0.1, 0.156, p, 0.6, 0.8, down)
+            acceleration(x + step, World(p, 0.1, 0.156), 0.6, 0.8, up)
+            acceleration(x - step, World(p, 0.1, 0.156), 0.6, 0.8, down)
             slope = (up - down) / (2 * step[j])
             np.testing.assert_allclose(found[:, j], slope, rtol=0, atol=1e-6 * abs(found).max())
 
@@ -358,9 +358,9 @@ def test_a_wind_that_turns_with_more_spin_is_still_air(world, table2):
     p = windy(world, ((3e6, eastward, 0.0),), "none").flight_parameters()
     x, spin = fly(model, table2, [0.0]).path[0], np.array([0.0, 0.0, 1e-5])
     blown, carried = np.empty(3), np.empty(3)
-    acceleration(x, 9.0, 0.156, p, 0.6, 0.8, blown)
+    acceleration(x, World(p, 9.0, 0.156), 0.6, 0.8, blown)
     moved = np.concatenate([x[:3], x[3:] - np.cross(spin, x[:3])])
-    acceleration(moved, 9.0, 0.156, model.flight_parameters(), 0.6, 0.8, carried)
+    acceleration(moved, World(model.flight_parameters(), 9.0, 0.156), 0.6, 0.8, carried)
     np.testing.assert_allclose(blown, carried, rtol=1e-9)
 
 

@@ -22,112 +22,43 @@ _ROWS: tuple[list[float], ...] = (
     [0.037037037037037035, 0.0, 0.0, 0.17082860872947386, 0.12546768756682242],
     [0.037109375, 0.0, 0.0, 0.17025221101954405, 0.06021653898045596, -0.017578125],
     [
-        0.03709200011850479,
-        0.0,
-        0.0,
-        0.17038392571223998,
-        0.10726203044637328,
-        -0.015319437748624402,
-        0.008273789163814023,
+        0.03709200011850479, 0.0, 0.0, 0.17038392571223998, 0.10726203044637328,
+        -0.015319437748624402, 0.008273789163814023,
     ],
     [
-        0.6241109587160757,
-        0.0,
-        0.0,
-        -3.3608926294469414,
-        -0.868219346841726,
-        27.59209969944671,
-        20.154067550477894,
-        -43.48988418106996,
+        0.6241109587160757, 0.0, 0.0, -3.3608926294469414, -0.868219346841726, 27.59209969944671,
+        20.154067550477894, -43.48988418106996,
     ],
     [
-        0.47766253643826434,
-        0.0,
-        0.0,
-        -2.4881146199716677,
-        -0.590290826836843,
-        21.230051448181193,
-        15.279233632882423,
-        -33.28821096898486,
-        -0.020331201708508627,
+        0.47766253643826434, 0.0, 0.0, -2.4881146199716677, -0.590290826836843, 21.230051448181193,
+        15.279233632882423, -33.28821096898486, -0.020331201708508627,
     ],
     [
-        -0.9371424300859873,
-        0.0,
-        0.0,
-        5.186372428844064,
-        1.0914373489967295,
-        -8.149787010746927,
-        -18.52006565999696,
-        22.739487099350505,
-        2.4936055526796523,
-        -3.0467644718982196,
+        -0.9371424300859873, 0.0, 0.0, 5.186372428844064, 1.0914373489967295, -8.149787010746927,
+        -18.52006565999696, 22.739487099350505, 2.4936055526796523, -3.0467644718982196,
     ],
     [
-        2.273310147516538,
-        0.0,
-        0.0,
-        -10.53449546673725,
-        -2.0008720582248625,
-        -17.9589318631188,
-        27.94888452941996,
-        -2.8589982771350235,
-        -8.87285693353063,
-        12.360567175794303,
+        2.273310147516538, 0.0, 0.0, -10.53449546673725, -2.0008720582248625, -17.9589318631188,
+        27.94888452941996, -2.8589982771350235, -8.87285693353063, 12.360567175794303,
         0.6433927460157636,
     ],
-)
+)  # fmt: skip
 _A = np.zeros((STAGES, STAGES))
 for _i, _row in enumerate(_ROWS):
     _A[_i, : len(_row)] = _row
-_B = np.array(
-    [
-        0.054293734116568765,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        0.3111643669578199,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.04471061572777259,
-    ]
-)
-_E3 = np.array(
-    [
-        -0.18980075407240762,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        -0.4226823213237919,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.02265179219836082,
-    ]
-)
-_E5 = np.array(
-    [
-        0.01312004499419488,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        -1.2251564463762044,
-        -0.4957589496572502,
-        1.6643771824549864,
-        -0.35032884874997366,
-        0.3341791187130175,
-        0.08192320648511571,
-        -0.022355307863886294,
-    ]
-)
+_B = np.array([
+    0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003,
+    -5.801203960010585, 0.3111643669578199, -0.1521609496625161, 0.20136540080403034,
+    0.04471061572777259,
+])  # fmt: skip
+#: Less the weights of the embedded third order.
+_E3 = _B.copy()
+_E3[[0, 8, 11]] -= [0.2440944881889764, 0.7338466882816118, 0.022058823529411766]
+_E5 = np.array([
+    0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502,
+    1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571,
+    -0.022355307863886294,
+])  # fmt: skip
 
 #: How a flight ended: at the last time asked for; at a terminal event; because the speed came to
 #: zero, or the velocity to the vertical with lift (both leave a direction undefined); because no
@@ -143,7 +74,7 @@ LEAST_SPEED, LEAST_COSINE = 1e-3, 1e-6
 
 
 @fast_kernel
-def dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out):
+def dop853_step(x, world, cos_bank, sin_bank, h, stages, out):
     """One step of size `h`; fills `stages` (12 by 6, the rates) and `out`."""
     stage = np.empty(6)
     for s in range(STAGES):
@@ -153,7 +84,7 @@ def dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out):
                 total += _A[s, j] * stages[j, i]
             stage[i] = x[i] + h * total
         stages[s, :3] = stage[3:]
-        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, stages[s, 3:])
+        acceleration(stage, world, cos_bank, sin_bank, stages[s, 3:])
     for i in range(6):
         total = 0.0
         for j in range(STAGES):
@@ -192,11 +123,11 @@ def watched(x, what, p):
 
 
 @fast_kernel
-def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out):
+def _locate(x, world, cos_bank, sin_bank, h, what, level, stages, out):
     """Part of the step `h` after which a quantity crosses `level`, by bisection and secant."""
-    low, high = 0.0, h
+    low, high, p = 0.0, h, world.p
     g_low = watched(x, what, p) - level
-    dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out)
+    dop853_step(x, world, cos_bank, sin_bank, h, stages, out)
     g_high = watched(out, what, p) - level
     for k in range(80):
         middle = 0.5 * (low + high)
@@ -204,7 +135,7 @@ def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out
             middle = low - g_low * (high - low) / (g_high - g_low)
         if middle <= low or middle >= high:
             middle = 0.5 * (low + high)
-        dop853_step(x, thicker, lift, p, cos_bank, sin_bank, middle, stages, out)
+        dop853_step(x, world, cos_bank, sin_bank, middle, stages, out)
         g = watched(out, what, p) - level
         if g * g_low > 0.0:
             low, g_low = middle, g
@@ -212,7 +143,7 @@ def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out
             high, g_high = middle, g
         if g == 0.0 or high - low <= 1e-12 * h:
             break
-    dop853_step(x, thicker, lift, p, cos_bank, sin_bank, high, stages, out)
+    dop853_step(x, world, cos_bank, sin_bank, high, stages, out)
     return high
 
 
@@ -228,15 +159,13 @@ def vertical(x):
 
 
 @fast_kernel
-def dop853_flight(
-    x0, thicker, lift, p, times, bank, rtol, atol, watch, states, event_times, event_states
-):
+def dop853_flight(x0, world, times, bank, rtol, atol, watch, states, event_times, event_states):
     """Fly from `x0` through all `times`.
 
     Parameters
     ----------
-    x0, thicker, lift, p
-        State (6) and parameters of `compass.core.entry.rates.acceleration`.
+    x0, world
+        State (6) and `compass.core.entry.rates.World`.
     times
         Output times, s, increasing, shape (t,); `x0` holds at the first. Every switch of the bank
         between the first and the last must be among them.
@@ -259,12 +188,12 @@ def dop853_flight(
     states[:, :] = np.nan
     event_times[:] = np.nan
     event_states[:, :] = np.nan
-    stages = np.empty((STAGES, 6))
+    p, stages = world.p, np.empty((STAGES, 6))
     x, ahead, crossing = x0.copy(), np.empty(6), np.empty(6)
     t = times[0]
     states[0] = x
     wish = 1.0
-    sided = lift != 0.0 or p[ROTATION] == SWAPPED
+    sided = world.lift != 0.0 or p[ROTATION] == SWAPPED
     for n in range(1, times.size):
         angle = bank[bank_at(times[n - 1], bank), 1]
         cos_bank, sin_bank = math.cos(angle), math.sin(angle)
@@ -274,7 +203,7 @@ def dop853_flight(
             if sided and vertical(x):
                 return VERTICAL, n, t
             h = min(wish, times[n] - t)
-            dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, ahead)
+            dop853_step(x, world, cos_bank, sin_bank, h, stages, ahead)
             error = error_norm(x, ahead, h, stages, rtol, atol)
             if not error < 1.0:
                 wish = h * (max(0.2, 0.9 * error**-0.125) if math.isfinite(error) else 0.2)
@@ -289,9 +218,7 @@ def dop853_flight(
                 down = before > 0.0 and after <= 0.0 and watch[e, 2] < 0.0
                 if not (up or down) or not math.isnan(event_times[e]):
                     continue
-                part = _locate(
-                    x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, crossing
-                )
+                part = _locate(x, world, cos_bank, sin_bank, h, what, level, stages, crossing)
                 event_times[e] = t + part
                 event_states[e] = crossing
                 if watch[e, 3] > 0.0 and part <= last:

@@ -15,52 +15,16 @@ covariance through points spread as its belief is.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compass.core.entry.flow import bank_at, retreat
+from compass.core.entry.flow import advance
 from compass.core.entry.kinds import RELINEARISED, ROOTED
-from compass.core.entry.measure import AIR, ESTIMATED, LIFT, added, measured
+from compass.core.entry.measure import AIR, ESTIMATED, LIFT, world_of
 from compass.core.entry.predict import move
-from compass.core.entry.rates import LIFT as RATIO
-from compass.core.entry.root import absorb_root, root_of, square_of
-from compass.core.entry.update import absorb, update
+from compass.core.entry.root import root_of, square_of
+from compass.core.entry.update import update
 from compass.core.jit import kernel
-
-
-class Problem(NamedTuple):
-    """What is to be estimated along a flight; made by `compass.entry.covariance.problem_of`.
-
-    Attributes
-    ----------
-    p, bank
-        Parameters of the dynamics, and bank angles (k, 2) of `advance`.
-    times, longest
-        Epochs (t,) and the longest Runge-Kutta step, s.
-    noise, walk, fade
-        From the epoch before to each: roots of the process noise, (t, 6, 6) or (t, 0, 6) for
-        none, variances of the further states, (t, s), and what is left of the logarithm of the
-        density, (t,).
-    sources, variances, kinds
-        Positions and velocities (t, n, 6); variances (t, n, c), nan for what is not measured, of
-        the kinds (c,) of `compass.core.entry.measure`.
-    places
-        Where the blocks of the state are.
-    """
-
-    p: NDArray[np.float64]
-    bank: NDArray[np.float64]
-    times: NDArray[np.float64]
-    longest: float
-    noise: NDArray[np.float64]
-    walk: NDArray[np.float64]
-    fade: NDArray[np.float64]
-    sources: NDArray[np.float64]
-    variances: NDArray[np.float64]
-    kinds: NDArray[np.int64]
-    places: NDArray[np.int64]
 
 
 @kernel
@@ -93,15 +57,14 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
     x0, covariance0
         Estimate (s,) and its covariance at the first time, before that time's measurements.
     problem, z
-        The `Problem`, and its measurements (t, n, c); nan for what is not measured.
+        The `compass.core.entry.groups.Problem`, and its measurements (t, n, c); nan for what is not
+        measured.
     iterations, method
         The passes of the update, and the way of filtering.
     xs, ps
         Outputs after each update, (t, s) and (t, s, s).
     """
-    p, bank, times, longest, places = (
-        problem.p, problem.bank, problem.times, problem.longest, problem.places
-    )  # fmt: skip
+    times, variances, places = problem.times, problem.variances, problem.places
     x, covariance, half = x0.copy(), covariance0.copy(), np.empty(covariance0.shape)
     back = times.size if method == RELINEARISED else 0
     path, marks = np.empty((back, x.size)), np.empty(2)
@@ -111,21 +74,21 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
     for t in range(times.size):
         if t > 0:
             move(x, covariance, x, problem, t, method, half)
-        update(x, covariance, x, problem, t, z[t], iterations, method)
+        update(x, covariance, x, problem, t, z[t], variances[t], iterations, method)
         if method == RELINEARISED and halved(covariance, places, marks):
-            path[t] = x
+            path[t], world = x, world_of(problem.p, x, places)
             for k in range(t, 0, -1):
                 path[k - 1] = x
-                retreat(
-                    path[k], added(x, places[AIR]), p[RATIO] + added(x, places[LIFT]), p, bank,
-                    times[k], times[k - 1], longest, path[k - 1],
+                advance(
+                    path[k], world, problem.bank, times[k], times[k - 1], problem.longest,
+                    path[k - 1],
                 )  # fmt: skip
             x[:] = x0
             covariance[:, :] = covariance0
             for k in range(t + 1):
                 if k > 0:
                     move(x, covariance, path[k - 1], problem, k, method, half)
-                update(x, covariance, path[k], problem, k, z[k], 1, method)
+                update(x, covariance, path[k], problem, k, z[k], variances[k], 1, method)
         xs[t] = x
         if method == ROOTED:
             square_of(covariance, ps[t])
@@ -141,29 +104,17 @@ def covariance_run(path, covariance0, problem, method, ps):
     ``J_k = (Q + Phi J_(k-1)^-1 Phi^T)^-1 + H^T R^-1 H`` carried as ``P = J^-1``. Parameters as in
     `filter_run`; `path` is the flight at the epochs, (t, 6), `method` `PLAIN` or `ROOTED`.
     """
-    p, bank, times, _, _, _, _, sources, variances, kinds, places = problem
-    size = covariance0.shape[0]
-    covariance, half = covariance0.copy(), np.empty((size, size))
-    rows, gain = np.zeros((kinds.size, size)), np.empty(size)
-    x, shift = np.zeros(size), np.zeros(size)
+    covariance, half = covariance0.copy(), np.empty(covariance0.shape)
+    x = np.zeros(covariance0.shape[0])
     if method == ROOTED:
         root_of(covariance0, covariance)
-    for t in range(times.size):
+    for t in range(problem.times.size):
         if t > 0:
             move(x, covariance, x, problem, t, method, half)
-        for i in range(6):
-            x[i] = path[t, i]
-        angle = bank[bank_at(times[t], bank), 1]
-        for b in range(sources.shape[1]):
-            for c in range(kinds.size):
-                variance = variances[t, b, c]
-                if math.isnan(variance):
-                    continue
-                measured(kinds[c], x, sources[t, b], b, places, p, angle, rows[c])
-                if method == ROOTED:
-                    absorb_root(rows[c], 0.0, variance, places[ESTIMATED], gain, covariance, shift)
-                else:
-                    absorb(rows[c], 0.0, variance, places[ESTIMATED], gain, covariance, shift)
+        x[:6], x[6:] = path[t], 0.0
+        z = problem.variances[t]  # what is read does not matter, but what is not
+        update(x, covariance, x, problem, t, z, z, 1, method)
+        x[:6], x[6:] = path[t], 0.0
         if method == ROOTED:
             square_of(covariance, ps[t])
         else:

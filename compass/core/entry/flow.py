@@ -8,12 +8,19 @@ import math
 
 import numpy as np
 
-from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT, acceleration, acceleration_partials
+from compass.core.entry.rates import (
+    COLUMNS,
+    OF_AIR,
+    OF_LIFT,
+    World,
+    acceleration,
+    acceleration_partials,
+)
 from compass.core.jit import fast_kernel, kernel
 
 
 @fast_kernel
-def rk4_step(x, thicker, lift, p, cos_bank, sin_bank, dt, out):
+def rk4_step(x, world, cos_bank, sin_bank, dt, out):
     """Advance the state (6) by one classical Runge-Kutta step of `dt` seconds into `out`."""
     k, total, stage = np.empty(3), np.zeros(6), np.empty(6)
     for i in range(6):
@@ -21,7 +28,7 @@ def rk4_step(x, thicker, lift, p, cos_bank, sin_bank, dt, out):
     for part in range(4):
         weight = 2.0 if part == 1 or part == 2 else 1.0
         ahead = dt if part == 2 else 0.5 * dt
-        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, k)
+        acceleration(stage, world, cos_bank, sin_bank, k)
         for i in range(3):
             total[i] += weight * stage[3 + i]
             total[3 + i] += weight * k[i]
@@ -33,7 +40,7 @@ def rk4_step(x, thicker, lift, p, cos_bank, sin_bank, dt, out):
 
 
 @fast_kernel
-def rk4_step_transition(x, thicker, lift, p, cos_bank, sin_bank, dt, out, phi):
+def rk4_step_transition(x, world, cos_bank, sin_bank, dt, out, phi):
     """One Runge-Kutta step and the derivative of the step itself, (6, 8).
 
     The Runge-Kutta map is differentiated stage by stage (not the flow), so that a covariance moves
@@ -52,8 +59,8 @@ def rk4_step_transition(x, thicker, lift, p, cos_bank, sin_bank, dt, out, phi):
     for part in range(4):
         weight = 2.0 if part == 1 or part == 2 else 1.0
         ahead = dt if part == 2 else 0.5 * dt
-        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, k)
-        acceleration_partials(stage, thicker, lift, p, cos_bank, sin_bank, partials)
+        acceleration(stage, world, cos_bank, sin_bank, k)
+        acceleration_partials(stage, world, cos_bank, sin_bank, partials)
         for i in range(3):
             for j in range(COLUMNS):
                 total_j = partials[i, j] if j >= OF_AIR else 0.0
@@ -89,12 +96,12 @@ def bank_at(time, bank):
 
 
 @kernel
-def advance(x, thicker, lift, p, bank, start, stop, longest, out):
-    """Advance the state from `start` to `stop`, exactly through bank switches, into `out` (6).
+def advance(x, world, bank, start, stop, longest, out):
+    """Fly from `start` to `stop`, later or earlier, exactly through bank switches, into `out` (6).
 
     Parameters
     ----------
-    x, thicker, lift, p
+    x, world
         As in `compass.core.entry.rates.acceleration`.
     bank
         Times (s) from which bank angles (rad) hold, (k, 2); the first holds before it too.
@@ -106,20 +113,22 @@ def advance(x, thicker, lift, p, bank, start, stop, longest, out):
     for i in range(6):
         out[i] = x[i]
     time, row = start, bank_at(start, bank)
-    while time < stop:
+    while time < stop or stop < time:
         end = stop
-        if row + 1 < bank.shape[0]:
+        if start < stop and row + 1 < bank.shape[0]:
             end = min(stop, bank[row + 1, 0])
-        steps = max(1, math.ceil((end - time) / longest - 1e-9))
+        elif stop < start and row > 0:
+            end = max(stop, bank[row, 0])
+        steps = max(1, math.ceil(abs(end - time) / longest - 1e-9))
         cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
         for _ in range(steps):
-            rk4_step(out, thicker, lift, p, cos_bank, sin_bank, (end - time) / steps, out)
+            rk4_step(out, world, cos_bank, sin_bank, (end - time) / steps, out)
         time = end
-        row += 1
+        row += 1 if start < stop else -1
 
 
 @kernel
-def advance_transition(x, thicker, lift, p, bank, start, stop, longest, out, phi):
+def advance_transition(x, world, bank, start, stop, longest, out, phi):
     """As `advance`, with the derivative (6, 8) of all its steps together in `phi`."""
     step, before = np.empty((6, COLUMNS)), np.empty((6, COLUMNS))
     for i in range(6):
@@ -136,10 +145,10 @@ def advance_transition(x, thicker, lift, p, bank, start, stop, longest, out, phi
         for _ in range(steps):
             dt = (end - time) / steps
             if first:
-                rk4_step_transition(out, thicker, lift, p, cos_bank, sin_bank, dt, out, phi)
+                rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, phi)
                 first = False
                 continue
-            rk4_step_transition(out, thicker, lift, p, cos_bank, sin_bank, dt, out, step)
+            rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, step)
             before[:, :] = phi
             for i in range(6):
                 for j in range(COLUMNS):
@@ -152,25 +161,7 @@ def advance_transition(x, thicker, lift, p, bank, start, stop, longest, out, phi
 
 
 @kernel
-def retreat(x, thicker, lift, p, bank, start, stop, longest, out):
-    """As `advance`, backwards from `start` to an earlier `stop`."""
-    for i in range(6):
-        out[i] = x[i]
-    time, row = start, bank_at(start, bank)
-    while time > stop:
-        end = stop
-        if row > 0:
-            end = max(stop, bank[row, 0])
-        steps = max(1, math.ceil((time - end) / longest - 1e-9))
-        cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
-        for _ in range(steps):
-            rk4_step(out, thicker, lift, p, cos_bank, sin_bank, (end - time) / steps, out)
-        time = end
-        row -= 1
-
-
-@kernel
-def advance_spread(x, factor, thicker, lift, p, bank, start, stop, longest, out, phi, bend):
+def advance_spread(x, factor, world, bank, start, stop, longest, out, phi, bend):
     """Advance the mean of states that are spread, and the line that fits what becomes of them.
 
     From d pairs of points ``x +- sqrt(d) L_j`` come the mean of their ends, the regression Phi of
@@ -181,7 +172,7 @@ def advance_spread(x, factor, thicker, lift, p, bank, start, stop, longest, out,
 
     Parameters
     ----------
-    x, thicker, lift, p, bank, start, stop, longest
+    x, world, bank, start, stop, longest
         As in `advance`; at the mean.
     factor
         Lower Cholesky factor L (8, 8) of the covariance of position, velocity, logarithm of the
@@ -195,28 +186,23 @@ def advance_spread(x, factor, thicker, lift, p, bank, start, stop, longest, out,
     for j in range(COLUMNS):
         d += 1 if factor[j, j] > 0.0 else 0
     wide = math.sqrt(d)
-    point, up, down = np.empty(6), np.empty(6), np.empty(6)
+    point, ends = np.empty(6), np.empty((2, 6))
     out[:] = 0.0
     bend[:, :] = 0.0
     phi[:, :] = 0.0
     for j in range(COLUMNS):
         if not factor[j, j] > 0.0:
             continue
+        for k in range(2):
+            off = wide if k == 0 else -wide
+            for i in range(6):
+                point[i] = x[i] + off * factor[i, j]
+            air, lift = off * factor[OF_AIR, j], off * factor[OF_LIFT, j]
+            there = World(world.p, world.thicker + air, world.lift + lift)
+            advance(point, there, bank, start, stop, longest, ends[k])
         for i in range(6):
-            point[i] = x[i] + wide * factor[i, j]
-        advance(
-            point, thicker + wide * factor[OF_AIR, j], lift + wide * factor[OF_LIFT, j], p, bank,
-            start, stop, longest, up,
-        )  # fmt: skip
-        for i in range(6):
-            point[i] = x[i] - wide * factor[i, j]
-        advance(
-            point, thicker - wide * factor[OF_AIR, j], lift - wide * factor[OF_LIFT, j], p, bank,
-            start, stop, longest, down,
-        )  # fmt: skip
-        for i in range(6):
-            phi[i, j] = 0.5 * (up[i] - down[i]) / wide
-            bend[i, j] = 0.5 * (up[i] + down[i])
+            phi[i, j] = 0.5 * (ends[0, i] - ends[1, i]) / wide
+            bend[i, j] = 0.5 * (ends[0, i] + ends[1, i])
             out[i] += bend[i, j] / d
     for j in range(COLUMNS - 1, -1, -1):  # Phi = (O / sqrt d) L^-1, from the last column
         if not factor[j, j] > 0.0:

@@ -10,73 +10,17 @@ other filter here.
 
 import math
 
-from compass.core.entry.flow import advance_transition, bank_at
-from compass.core.entry.groups import Heard, make_estimates, make_room
-from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, added, measured
+import numpy as np
+
+from compass.core.entry.flow import bank_at
+from compass.core.entry.groups import Problem, make_estimates
+from compass.core.entry.kinds import PLAIN
+from compass.core.entry.measure import measured
 from compass.core.entry.node import fuse, sound, weigh
-from compass.core.entry.predict import moved_covariance
-from compass.core.entry.rates import LIFT as RATIO
-from compass.core.entry.update import absorb
+from compass.core.entry.predict import move
+from compass.core.entry.update import update
 from compass.core.entry.weights import make_scratch
 from compass.core.jit import fast_kernel, kernel
-
-#: Iterations stop when no state moves by more than this share of its predicted sigma.
-SMALL_STEP = 1e-6
-
-
-@kernel
-def flow_of(known, t, x, world, room):
-    """Move position and velocity of `x` to epoch t into ``room.after``, derivative in `phi`."""
-    start = known.times[max(t - 1, 0)]
-    advance_transition(
-        x, world.thicker + added(x, known.places[AIR]),
-        known.p[RATIO] + world.lift + added(x, known.places[LIFT]), known.p, known.bank, start,
-        known.times[t], known.longest, room.after, room.phi,
-    )  # fmt: skip
-
-
-@kernel
-def move(known, t, x, cov, factor, room):
-    """Move an estimate along the flow in `room`, its process noise multiplied by `factor`."""
-    dt = known.times[t] - known.times[max(t - 1, 0)]
-    noise = room.noise[:, : known.noise.shape[1]]
-    for i in range(6):
-        for j in range(noise.shape[1]):
-            noise[i, j] = math.sqrt(factor) * known.noise[t, i, j]
-    for i in range(x.size):
-        room.walk[i] = factor * dt * known.walk[i]
-    moved_covariance(room.phi, dt, noise, room.walk, 1.0, known.places, room.half, cov)
-    for i in range(6):
-        x[i] = room.after[i]
-    if known.places[CLOCK] >= 0:
-        x[known.places[CLOCK]] += dt * x[known.places[CLOCK] + 1]
-
-
-@kernel
-def hears(r, kinds, group):
-    """Whether the subsystem of beacons ``group = first, last, m`` hears measurement r."""
-    first, last, m = group
-    source = (r - AXES) // kinds
-    return r < AXES or source >= m or first <= source < last
-
-
-@kernel
-def linearise(known, t, variances, x, world, group, room):
-    """Write what a subsystem (see `hears`) would measure at `x`, and the rows."""
-    angle = known.bank[bank_at(known.times[t], known.bank), 1]
-    acceleration_rows(
-        x, world.thicker + added(x, known.places[AIR]),
-        known.p[RATIO] + world.lift + added(x, known.places[LIFT]), known.p, math.cos(angle),
-        math.sin(angle), known.places, room.rows, room.h,
-    )  # fmt: skip
-    c = known.kinds.size
-    for r in range(AXES, variances.size):
-        if hears(r, c, group) and not math.isnan(variances[r]):
-            k = (r - AXES) // c
-            room.h[r] = measured(
-                known.kinds[(r - AXES) % c], x, known.sources[t, k], k, known.places, known.p,
-                angle, room.rows[r],
-            )  # fmt: skip
 
 
 @fast_kernel
@@ -92,56 +36,60 @@ def innovation_variance(cov, row, noise):
 
 
 @kernel
-def learn(arrangement, known, t, heard, x, cov, world, group, factor, estimates, room):
-    """Update an estimate by what a subsystem hears, see `hears`; False if it is lost.
+def learn(arrangement, problem, t, z, group, factor, x, cov, gated):
+    """Update an estimate by what the subsystem of a ``group = first, last, m`` of beacons hears.
 
-    What all subsystems hear alike has its variances multiplied by `factor`. The gate looks at each
-    row alone, so its answer does not depend on their order.
+    That is its beacons and all that is none, whose variances are multiplied by `factor`; z (n, c)
+    is what comes at epoch t. The gate looks at each measurement alone, so its answer does not
+    depend on their order. False if the estimate is lost.
     """
-    z, variances, _ = heard
-    size, used, c, m = x.size, room.used, known.kinds.size, group[2]
-    linearise(known, t, variances, x, world, group, room)
-    shut = arrangement.gate < math.inf and known.times[t] >= arrangement.gate_start
-    for r in range(z.size):
-        used[r] = hears(r, c, group) and not math.isnan(variances[r])
-        if used[r] and shut:
-            residual = z[r] - room.h[r]
-            variance = innovation_variance(cov, room.rows[r], variances[r])
+    first, last, m = group
+    heard, variances, row = z.copy(), problem.variances[t].copy(), np.zeros(x.size)
+    shut = arrangement.gate < math.inf and problem.times[t] >= arrangement.gate_start
+    angle = problem.bank[bank_at(problem.times[t], problem.bank), 1]
+    for b in range(z.shape[0]):
+        if b >= m:
+            variances[b] *= factor
+        elif not first <= b < last:
+            heard[b] = np.nan
+        for c in range(z.shape[1] if shut else 0):
+            if math.isnan(heard[b, c]):
+                continue
+            row[:] = 0.0
+            residual = z[b, c] - measured(
+                problem.kinds[c], x, problem.sources[t, b], b, problem.places, problem.p, angle, row
+            )
+            variance = innovation_variance(cov, row, problem.variances[t, b, c])
             if not residual * residual <= arrangement.gate * variance:
-                used[r] = False
-                estimates.gated[r] = True
-    for i in range(size):
-        room.shift[i] = 0.0
-    room.prior[:, :] = cov
-    for k in range(arrangement.iterations):
-        for i in range(size):
-            room.before[i] = room.shift[i]
-            room.point[i] = x[i] + room.shift[i]
-            room.shift[i] = 0.0
-        if k > 0:
-            cov[:, :] = room.prior
-            linearise(known, t, variances, room.point, world, group, room)
-        for r in range(z.size):
-            if used[r]:
-                residual = z[r] - room.h[r]
-                for i in range(size):
-                    residual += room.rows[r, i] * room.before[i]
-                own = r >= AXES and (r - AXES) // c < m
-                noise = variances[r] * (1.0 if own else factor)
-                absorb(room.rows[r], residual, noise, size, room.gain, cov, room.shift)
-        largest = 0.0
-        for i in range(size):
-            step = room.shift[i] - room.before[i]
-            largest = max(largest, step * step / room.prior[i, i])
-        if largest < SMALL_STEP * SMALL_STEP:
-            break
-    for i in range(size):
-        x[i] += room.shift[i]
+                heard[b, c] = np.nan
+                gated[b, c] = True
+    update(x, cov, x, problem, t, heard, variances, arrangement.iterations, PLAIN)
     return sound(x, cov)
 
 
 @kernel
-def fuse_epoch(arrangement, known, t, heard, world, estimates, room, work):
+def calm(problem):
+    """Return the problem without process noise."""
+    p, bank, times, longest, _, walk, fade, sources, variances, kinds, places = problem
+    return Problem(
+        p, bank, times, longest, np.empty((times.size, 0, 6)), np.zeros(walk.shape), fade, sources,
+        variances, kinds, places,
+    )  # fmt: skip
+
+
+@kernel
+def shake(problem, t, factor, cov):
+    """Add the process noise that is gathered by epoch t, multiplied by `factor`."""
+    for i in range(6):
+        for j in range(6):
+            for k in range(problem.noise.shape[1]):
+                cov[i, j] += factor * problem.noise[t, i, k] * problem.noise[t, j, k]
+    for i in range(6, cov.shape[0]):
+        cov[i, i] += factor * problem.walk[t, i]
+
+
+@kernel
+def fuse_epoch(arrangement, problem, quiet, t, z, alive, estimates, half, work):
     """Move all estimates to epoch t and let them hear what there is; False if one is lost.
 
     Dead subsystems wait; without feedback they come back from the fused estimate of the epoch
@@ -149,33 +97,26 @@ def fuse_epoch(arrangement, known, t, heard, world, estimates, room, work):
 
     Parameters
     ----------
-    arrangement, known
-        Who hears what, and the world as they know it.
+    arrangement, problem, quiet
+        Who hears what, the world as they know it, and `calm` of it.
     t
         Epoch.
-    heard
-        What comes at it, `Heard`.
-    world
-        `World`.
-    estimates, room, work
-        Of `make_estimates`, `make_room` and `compass.core.entry.weights.make_scratch`.
+    z, alive
+        What comes at it, (n, c), and which subsystems work, (m,).
+    estimates, half, work
+        Of `make_estimates`, (s, s), and of `compass.core.entry.weights.make_scratch`.
     """
-    alive, x, cov = heard.alive, estimates.x, estimates.P
-    m = alive.size
-    estimates.gated[:] = False
-    count = 0
-    for i in range(m):
-        count += 1 if alive[i] else 0
-    if arrangement.feedback or not arrangement.apart or count == 0:
-        flow_of(known, t, x, world, room)
-        if not arrangement.apart or count == 0:
-            move(known, t, x, cov, 1.0, room)
-            estimates.waiting[:] = True
-            if arrangement.apart:
-                return sound(x, cov)
-            return learn(
-                arrangement, known, t, heard, x, cov, world, (0, m, m), 1.0, estimates, room
-            )
+    x, cov, m, count = estimates.x, estimates.P, alive.size, alive.sum()
+    estimates.gated[:, :] = False
+    together = not arrangement.apart or count == 0
+    if t > 0 and (arrangement.feedback or together):
+        move(x, cov, x, quiet, t, PLAIN, half)
+    if together:
+        shake(problem, t, 1.0, cov)
+        estimates.waiting[:] = True
+        if arrangement.apart:
+            return sound(x, cov)
+        return learn(arrangement, problem, t, z, (0, m, m), 1.0, x, cov, estimates.gated)
     for i in range(m):
         own_x, own_cov = estimates.local_x[i], estimates.local_cov[i]
         if not alive[i]:
@@ -186,57 +127,52 @@ def fuse_epoch(arrangement, known, t, heard, world, estimates, room, work):
             own_x[:] = x
             part = 1.0
             if arrangement.divided:
-                shares = count
+                shares = 1.0 * count
                 part = 1.0 / count
             elif arrangement.fading:
                 part = max(estimates.weights[i], arrangement.floor)
-            for j in range(x.size):
-                for k in range(x.size):
-                    own_cov[j, k] = cov[j, k] / part
+            own_cov[:, :] = cov / part
             estimates.waiting[i] = False
-        if not arrangement.feedback:
-            flow_of(known, t, own_x, world, room)
-        move(known, t, own_x, own_cov, shares, room)
+        if t > 0 and not arrangement.feedback:
+            move(own_x, own_cov, own_x, quiet, t, PLAIN, half)
+        shake(problem, t, shares, own_cov)
         group = (i, i + 1, m)
-        if not learn(
-            arrangement, known, t, heard, own_x, own_cov, world, group, shares, estimates, room
-        ):
+        if not learn(arrangement, problem, t, z, group, shares, own_x, own_cov, estimates.gated):
             return False
-    if not weigh(arrangement, alive, estimates, room, work):
+    if not weigh(arrangement, alive, estimates, half, work):
         return False
     coefficients = work.gradient
     for i in range(m):
         coefficients[i] = estimates.weights[i]
         if arrangement.divided:
             coefficients[i] = 1.0 if alive[i] else 0.0
-    return fuse(arrangement, coefficients, estimates, room, work)
+    return fuse(arrangement, coefficients, estimates, work)
 
 
 @kernel
-def fuse_run(arrangement, known, x0, p0, heard, world, told):
+def fuse_run(arrangement, problem, x0, p0, z, alive, told):
     """Filter all epochs; return -1, or the epoch at which an estimate was lost.
 
     Parameters
     ----------
-    arrangement, known, world
+    arrangement, problem
         As in `fuse_epoch`.
     x0, p0
         First estimate, before the first epoch's measurements, (s,) and (s, s).
-    heard
-        `Heard` at every epoch.
+    z, alive
+        Measurements (t, n, c), nan for what does not come, the first m sources beacons; and which
+        subsystems work, (t, m).
     told
-        Output, `Told`.
+        Output, `compass.core.entry.groups.Told`.
     """
-    z, variances, alive = heard
-    m, rows = alive.shape[1], z.shape[1]
-    estimates, room = make_estimates(x0, p0, m, rows), make_room(x0.size, m, rows)
-    work = make_scratch(x0.size, m)
-    for t in range(known.times.size):
-        now = Heard(z[t], variances[t], alive[t])
-        if not fuse_epoch(arrangement, known, t, now, world, estimates, room, work):
+    m, quiet, half = alive.shape[1], calm(problem), np.empty(p0.shape)
+    gated = np.zeros(z[0].shape, dtype=np.bool_)
+    estimates, work = make_estimates(x0, p0, m, gated), make_scratch(x0.size, m)
+    for t in range(problem.times.size):
+        if not fuse_epoch(arrangement, problem, quiet, t, z[t], alive[t], estimates, half, work):
             return t
         told.xs[t] = estimates.x
         told.ps[t] = estimates.P
         told.weights[t] = estimates.weights
-        told.gated[t] = estimates.gated
+        told.gated[t] = gated
     return -1

@@ -6,44 +6,45 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.flow import advance, bank_at
 from compass.core.entry.fuse import fuse_run
-from compass.core.entry.groups import Array, Heard, Told, World
-from compass.core.entry.measure import (
-    AIR,
-    AXES,
-    LIFT,
-    PLACES,
-    acceleration_rows,
-    added,
-    ideal_values,
-)
-from compass.core.entry.rates import LIFT as RATIO
-from compass.core.entry.runs import normalised_square
+from compass.core.entry.groups import Array, Problem, Told, in_world
+from compass.core.entry.kinds import ACCELERATION
+from compass.core.entry.measure import AXES, ideal_values
+from compass.core.entry.rates import thickened
+from compass.core.entry.runs import normalised_square, true_flight
 from compass.core.jit import kernel
 
 
 class Truth(NamedTuple):
     """What is true in every run.
 
-    The flight `path` (t, 6) in the world `p`, by the angles `bank` (k, 2); process noise as roots
-    `noise` (t, 6, 6), or (t, 0, 6) for none, and the variance per second `walk` (s,) of the states
-    behind the first six;
-    `offset` (t, s): what the true value of each state is more than the filters' count of it;
-    `sigma` (t, 3 + n c): of every measurement, nan for what is not due, hidden or out, and its
-    `error` beyond noise; `arrival` (t, m): the probability that it gets through; `alive` (t, m).
+    The flight `path` (t, 6), and the `world` as one who knows it has it: its variances are nan for
+    what is not due, hidden or out; `offset` (t, s): what the true value of each state is more than
+    the filters' count of it; `error` (t, n, c): of every measurement beyond noise; `arrival`
+    (t, m): the probability that a beacon's gets through; `alive` (t, m).
     """
 
     path: Array
-    p: Array
-    bank: Array
-    noise: Array
-    walk: Array
+    world: Problem
     offset: Array
-    sigma: Array
     error: Array
     arrival: Array
     alive: NDArray[np.bool_]
+
+
+class Drawn(NamedTuple):
+    """What runs have by chance: normal numbers, and uniform ones for the arrivals.
+
+    First estimates `starts` (runs, s), `shaken` (runs, t, s) of the truth, `measured` (runs, t, n,
+    c), `arrivals` (runs, t, m), and what is added to the logarithm of the density and to L/D that
+    the filters know, `unknown` (runs, 2).
+    """
+
+    starts: Array
+    shaken: Array
+    measured: Array
+    arrivals: Array
+    unknown: Array
 
 
 class Outcome(NamedTuple):
@@ -66,121 +67,85 @@ class Outcome(NamedTuple):
 
 
 @kernel
-def true_flight(truth, known, normals, path, further):
-    """Fly the truth: `path` (t, 6) and the `further` states (t, s), shaken where there is noise."""
-    size = further.shape[1]
-    path[:, :] = truth.path
-    further[0] = 0.0
-    air, lift = known.places[AIR], known.places[LIFT]
-    for t in range(1, known.times.size):
-        dt = known.times[t] - known.times[t - 1]
-        for i in range(6, size):
-            further[t, i] = further[t - 1, i] + math.sqrt(truth.walk[i] * dt) * normals[t, i]
-        if truth.noise.shape[1] == 0:
-            continue
-        before = further[t - 1]
-        advance(
-            path[t - 1], added(before, air), truth.p[RATIO] + added(before, lift), truth.p,
-            truth.bank, known.times[t - 1], known.times[t], known.longest, path[t],
-        )  # fmt: skip
-        for i in range(6):
-            for j in range(6):
-                path[t, i] += truth.noise[t, i, j] * normals[t, j]
+def column(b, kind):
+    """Of source b's reading of a kind among what is told of accelerometers and sources."""
+    return kind - ACCELERATION if kind >= ACCELERATION else AXES + b
 
 
 @kernel
-def measure(truth, known, path, further, normals, uniforms, lost_is_zero, z, variances, arrived):
-    """Write what is measured, and as how good the filters take it; nan for what does not come.
+def measure(truth, known, states, normals, uniforms, lost_is_zero, z, arrived):
+    """Write what is measured of true states (t, s), as filters hear it; nan for what does not come.
 
-    A beacon's lost signal reads 0 to a filter with `lost_is_zero`. `variances` comes with those the
-    filters assume, and leaves with nan where nothing came.
+    A beacon's lost signal reads 0 to a filter with `lost_is_zero`, if it is one that it knows of.
     """
-    epochs, m = uniforms.shape
-    c = known.kinds.size
-    ideal, rows = np.empty((epochs, known.sources.shape[1], c)), np.zeros((AXES, 6))
-    places = np.full(PLACES, -1)  # the truth is no filter's state
+    world, m = truth.world, truth.alive.shape[1]
     ideal_values(
-        path, known.sources, known.kinds, places, truth.p, truth.bank, known.times, ideal
+        states, world.sources, world.kinds, world.places, world.p, world.bank, world.times, z
     )  # fmt: skip
-    for t in range(epochs):
-        angle = truth.bank[bank_at(known.times[t], truth.bank), 1]
-        acceleration_rows(
-            path[t], added(further[t], known.places[AIR]),
-            truth.p[RATIO] + added(further[t], known.places[LIFT]), truth.p, math.cos(angle),
-            math.sin(angle), places, rows, z[t],
-        )  # fmt: skip
-        for r in range(z.shape[1]):
-            k, kind = (r - AXES) // c, (r - AXES) % c
-            comes, radio = not math.isnan(truth.sigma[t, r]), r >= AXES and k < m
-            if radio:
-                comes = comes and uniforms[t, k] < truth.arrival[t, k]
-            if r >= AXES:
-                z[t, r] = ideal[t, k, kind] if comes else 0.0
-            if comes:
-                z[t, r] += truth.error[t, r] + truth.sigma[t, r] * normals[t, r]
-                arrived[t, r if r < AXES else AXES + k] = True
-            elif not (lost_is_zero and radio):
-                variances[t, r] = np.nan
+    for t in range(z.shape[0]):
+        for b in range(z.shape[1]):
+            for c in range(z.shape[2]):
+                sigma = math.sqrt(world.variances[t, b, c])
+                comes = not math.isnan(sigma)
+                if b < m:
+                    comes = comes and uniforms[t, b] < truth.arrival[t, b]
+                if comes:
+                    z[t, b, c] += truth.error[t, b, c] + sigma * normals[t, b, c]
+                    arrived[t, column(b, world.kinds[c])] = True
+                else:
+                    z[t, b, c] = 0.0 if lost_is_zero and b < m else np.nan
+                if math.isnan(known.variances[t, b, c]):
+                    z[t, b, c] = np.nan
 
 
 @kernel
-def fused_runs(
-    arrangement, truth, known, starts, p0, assumed, lost_is_zero, axes, draws, noises, uniforms,
-    unknown, out,
-):  # fmt: skip
-    """Fly, measure, filter and compare, once for each row of the draws.
+def fused_runs(arrangement, truth, known, p0, lost_is_zero, axes, drawn, out):
+    """Fly, measure, filter and compare, once for each row of what is drawn.
 
     Parameters
     ----------
     arrangement, truth, known
-        Of `compass.core.entry.groups`, and what is true.
-    starts, p0
-        First estimate of each run, (runs, s), and the covariance the filters take it to have.
-    assumed
-        Variances that the filters assume, (t, 3 + n c), nan for what is never measured.
+        `compass.core.entry.groups.Arrangement`, what is true, and the problem as filters know it.
+    p0
+        Covariance that they take the first estimate to have.
     lost_is_zero
         Whether a range that does not arrive is taken for one that reads 0.
     axes
         Rows of the directions in which errors are told, (t, 3, 3).
-    draws, noises, uniforms
-        Normal numbers for the truth, (runs, t, s), and the measurements, (runs, t, 3 + n c), and
-        uniform ones for the arrivals, (runs, t, m).
-    unknown
-        What is added to the logarithm of the density and to L/D that the filters know, (runs, 2).
+    drawn
+        `Drawn`.
     out
         An `Outcome`, filled.
     """
-    runs, epochs, size = draws.shape
-    c = known.kinds.size
-    path, further = np.empty((epochs, 6)), np.zeros((epochs, size))
-    z, variances = np.empty(assumed.shape), np.empty(assumed.shape)
+    runs, epochs, size = drawn.shaken.shape
+    states, z = np.zeros((epochs, size)), np.empty(known.variances.shape)
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
-    gated, error = np.empty(assumed.shape, dtype=np.bool_), np.empty(size)
+    gated, error = np.empty(z.shape, dtype=np.bool_), np.empty(size)
     for run in range(runs):
-        true_flight(truth, known, draws[run], path, further)
-        variances[:, :] = assumed
+        true_flight(truth.path, truth.world, drawn.shaken[run], states)
         out.arrived[run] = False
         measure(
-            truth, known, path, further, noises[run], uniforms[run], lost_is_zero, z, variances,
+            truth, known, states, drawn.measured[run], drawn.arrivals[run], lost_is_zero, z,
             out.arrived[run],
         )  # fmt: skip
+        p = thickened(known.p, drawn.unknown[run, 0], drawn.unknown[run, 1])
         end = fuse_run(
-            arrangement, known, starts[run], p0, Heard(z, variances, truth.alive),
-            World(unknown[run, 0], unknown[run, 1]), Told(xs, ps, out.weights[run], gated),
+            arrangement, in_world(known, p, known.bank), drawn.starts[run], p0, z, truth.alive,
+            Told(xs, ps, out.weights[run], gated),
         )  # fmt: skip
         out.gated[run] = False
         for t in range(epochs if end < 0 else end):
             for i in range(size):
-                true = path[t, i] if i < 6 else further[t, i]
-                error[i] = xs[t, i] - true - truth.offset[t, i]
+                error[i] = xs[t, i] - states[t, i] - truth.offset[t, i]
             out.squares[run, t] = normalised_square(ps[t], error)
             if not math.isfinite(out.squares[run, t]):
                 end = t
                 break
             turn(axes[t], error, ps[t], out.errors[run, t], out.variances[run, t])
-            for r in range(gated.shape[1]):
-                if gated[t, r]:
-                    out.gated[run, t, r if r < AXES else AXES + (r - AXES) // c] = True
+            for b in range(gated.shape[1]):
+                for c in range(gated.shape[2]):
+                    if gated[t, b, c]:
+                        out.gated[run, t, column(b, known.kinds[c])] = True
         out.ends[run] = end
         out.last[run] = ps[epochs - 1, :3, :3]
 

@@ -51,8 +51,9 @@ TURN, BELIEF = 20.0, 0.2
 
 
 @kernel
-def drag_of(x, thicker, p):
+def drag_of(x, world):
     """``rho B V^2 / 2``, V through the air, m/s^2."""
+    p, thicker, _ = world
     w = through_air(x, p)
     height, _ = log_density(math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]), p)
     square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
@@ -114,15 +115,15 @@ def turned(bank, wish, most):
 
 
 @kernel
-def predicted(x, thicker, lift, p, g, bank, size, side, seconds, until, end):
+def predicted(x, world, g, bank, size, side, seconds, until, end):
     """Fly on with a bank of one size until the event; write where to, and return `beyond`."""
-    here, watch, level = x.copy(), until.watch, until.level
+    here, p, watch, level = x.copy(), world.p, until.watch, until.level
     for _ in range(int(seconds / STRIDE) + 1):
         wish, side = sided(here, size, side, g)
         after = turned(bank, wish, g[RATE] * STRIDE)
         angle = 0.5 * (bank + after)
         bank = after
-        rk4_step(here, thicker, lift, p, math.cos(angle), math.sin(angle), STRIDE, end)
+        rk4_step(here, world, math.cos(angle), math.sin(angle), STRIDE, end)
         before, now = watched(here, watch, p) - level, watched(end, watch, p) - level
         if now <= 0.0 or not watched(end, WATCH_RADIUS, p) > until.ground:
             share = before / (before - now) if now < before else 1.0
@@ -134,7 +135,7 @@ def predicted(x, thicker, lift, p, g, bank, size, side, seconds, until, end):
 
 
 @kernel
-def found_bank(x, thicker, lift, p, g, bank, side, seconds, until):
+def found_bank(x, world, g, bank, side, seconds, until):
     """Size of the bank that flies as far as the target: regula falsi (Illinois) on `predicted`.
 
     More bank flies less far; where no bank in the limits flies so far, or so short, the limit. And
@@ -142,16 +143,16 @@ def found_bank(x, thicker, lift, p, g, bank, side, seconds, until):
     """
     end = np.empty(6)
     low, high = g[LEAST], g[MOST]
-    far = predicted(x, thicker, lift, p, g, bank, low, side, seconds, until, end)
+    far = predicted(x, world, g, bank, low, side, seconds, until, end)
     if far <= 0.0:
         return low, far
-    near = predicted(x, thicker, lift, p, g, bank, high, side, seconds, until, end)
+    near = predicted(x, world, g, bank, high, side, seconds, until, end)
     if near >= 0.0:
         return high, near
     middle = low
     for _ in range(TRIALS):
         middle = low + far / (far - near) * (high - low)
-        off = predicted(x, thicker, lift, p, g, bank, middle, side, seconds, until, end)
+        off = predicted(x, world, g, bank, middle, side, seconds, until, end)
         if abs(off) < NEAR:
             break
         if off > 0.0:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
-from compass.core.entry.filter import Problem
-from compass.core.entry.flow import advance, rk4_step
+from compass.core.entry.flow import advance
+from compass.core.entry.groups import Problem, in_world
 from compass.core.entry.guide import (
     ALIGN,
     BEFORE,
@@ -22,7 +22,6 @@ from compass.core.entry.guide import (
     CYCLE,
     FELT,
     RATE,
-    TARGET,
     drag_of,
     found_bank,
     heading_error,
@@ -30,11 +29,10 @@ from compass.core.entry.guide import (
     turned,
 )
 from compass.core.entry.kinds import ROOTED
-from compass.core.entry.measure import AIR, added, ideal_values
+from compass.core.entry.measure import AIR, PLACES, added, ideal_values, world_of
 from compass.core.entry.measure import LIFT as OF_LIFT
-from compass.core.entry.measure import PLACES as BLOCKS
 from compass.core.entry.predict import move
-from compass.core.entry.rates import LIFT
+from compass.core.entry.rates import LIFT, World
 from compass.core.entry.root import root_of, square_of
 from compass.core.entry.runs import normalised_square
 from compass.core.entry.update import update
@@ -44,55 +42,75 @@ Array = NDArray[np.float64]
 
 
 class Carried(NamedTuple):
-    """The filter that a guided lander carries, see `compass.core.entry.filter.filter_run`.
+    """The filter that guided landers carry, see `compass.core.entry.filter.filter_run`.
 
     Its problem is that of the planned flight. Without epochs there is none, and guidance knows the
-    true state.
+    true state. `firsts` (m, s) are each lander's first estimate, `draws` (m, t, n, c) normal
+    draws of its noise.
     """
 
     problem: Problem
     covariance: Array
     iterations: int
     method: int
+    firsts: Array
+    draws: Array
+
+
+class Flown(NamedTuple):
+    """What became of m entries.
+
+    `times` (m,) of the event, nan where it does not come, and `ends` (m, 6), the state there.
+    `banks` (m, k, 2): times and the bank that holds from each on, a row where it changes, as far as
+    there is room; `rows` (m,): how many are written. `told` (m, 8): error of what guidance knew,
+    and its normalised square, when it last heard; and what `found_bank` told last of how far the
+    target is beyond reach, rad.
+    """
+
+    times: Array
+    ends: Array
+    banks: Array
+    rows: NDArray[np.int64]
+    told: Array
 
 
 @kernel
-def crossing(x, thicker, lift, p, angle, step, until, out):
-    """Part of a step after which the watched quantity is at the level, by bisection."""
-    low, high, c, s = 0.0, step, math.cos(angle), math.sin(angle)
+def crossing(x, world, bank, start, stop, until, out):
+    """Time between two at which what is watched comes to the level, by bisection; `out` there."""
+    low, high = start, stop
     for _ in range(50):
         middle = 0.5 * (low + high)
-        rk4_step(x, thicker, lift, p, c, s, middle, out)
-        if watched(out, until.watch, p) > until.level:
+        advance(x, world, bank, start, middle, until.longest, out)
+        if watched(out, until.watch, world.p) > until.level:
             low = middle
         else:
             high = middle
-    rk4_step(x, thicker, lift, p, c, s, high, out)
+    advance(x, world, bank, start, high, until.longest, out)
     return high
 
 
 @kernel
-def hear(x, thicker, lift, p, known, angle, carried, k, draws, state, covariance, told):
+def hear(x, world, known, bank, carried, k, draws, state, covariance, told):
     """Let the filter hear what is measured of the true state at epoch k, with a bank held there.
 
     `told` (7,) gets the error of its position and velocity, and that error squared, normalised.
     """
     problem = carried.problem
     z = np.empty((1, problem.sources.shape[1], problem.kinds.size))
-    true, blocks, bank = np.empty((1, 8)), np.full(BLOCKS, -1), np.zeros((1, 2))
-    true[0, :6], true[0, 6], true[0, 7] = x, thicker, lift - p[LIFT]
-    blocks[AIR], blocks[OF_LIFT], bank[0, 1] = 6, 7, angle
+    true, blocks = np.empty((1, 8)), np.full(PLACES, -1)
+    true[0, :6], true[0, 6], true[0, 7] = x, world.thicker, world.lift - world.p[LIFT]
+    blocks[AIR], blocks[OF_LIFT] = 6, 7
     ideal_values(
-        true, problem.sources[k : k + 1], problem.kinds, blocks, p, bank, np.zeros(1), z
+        true, problem.sources[k : k + 1], problem.kinds, blocks, world.p, bank, problem.times[k:], z
     )  # fmt: skip
+    variances = problem.variances[k]
     for b in range(z.shape[1]):
         for c in range(z.shape[2]):
-            z[0, b, c] += math.sqrt(problem.variances[k, b, c]) * draws[b, c]
-    held = Problem(
-        known, bank, problem.times, problem.longest, problem.noise, problem.walk, problem.fade,
-        problem.sources, problem.variances, problem.kinds, problem.places,
+            z[0, b, c] += math.sqrt(variances[b, c]) * draws[b, c]
+    held = in_world(problem, known, bank)
+    update(
+        state, covariance, state, held, k, z[0], variances, carried.iterations, carried.method
     )  # fmt: skip
-    update(state, covariance, state, held, k, z[0], carried.iterations, carried.method)
     for i in range(6):
         told[i] = state[i] - x[i]
     whole = covariance
@@ -103,17 +121,16 @@ def hear(x, thicker, lift, p, known, angle, carried, k, draws, state, covariance
 
 
 @kernel
-def follow(carried, k, time, stop, known, angle, longest, state, covariance):
+def follow(carried, k, time, stop, known, bank, longest, state, covariance):
     """Move the filter by the bank that is flown; at epoch k with what noise has gathered by then.
 
     A filter that looks back moves on as a plain one here.
     """
     problem = carried.problem
     noise, walk = np.zeros((2, problem.noise.shape[1], 6)), np.zeros((2, state.size))
-    fade, bank = np.ones(2), np.empty((1, 2))
+    fade = np.ones(2)
     if k < problem.times.size and stop == problem.times[k]:
         noise[1], walk[1], fade[1] = problem.noise[k], problem.walk[k], problem.fade[k]
-    bank[0, 0], bank[0, 1] = time, angle
     step = Problem(
         known, bank, np.array([time, stop]), longest, noise, walk, fade, problem.sources,
         problem.variances, problem.kinds, problem.places,
@@ -122,40 +139,28 @@ def follow(carried, k, time, stop, known, angle, longest, state, covariance):
 
 
 @kernel
-def guided_flight(
-    start, thicker, lift, p, known, g, until, carried, first, draws, banks, end, told
-):  # fmt: skip
+def guided_flight(start, world, known, g, until, carried, m, flown):
     """Fly one guided entry to an event.
 
     Parameters
     ----------
     start
         State, (6,).
-    thicker, lift, p
-        The world as it is; see `compass.core.entry.rates.acceleration`.
+    world
+        As it is; see `compass.core.entry.rates.World`.
     known
-        The world as it is known to the guidance, which corrects its density by the drag felt.
+        Parameters of it as they are known to the guidance, which corrects its density by the drag
+        felt.
     g, until
         See `compass.core.entry.guide.TARGET` and `Until`.
-    carried, first, draws
-        The filter, its first estimate (s,), and normal draws of its noise, (t, n, c); `first` has
-        no element if there is none.
-    banks
-        Output, (k, 2): times and the bank that holds from each on, a row where it changes, as far
-        as there is room.
-    end
-        Output, (6,): state at the event.
-    told
-        Output, (8,): error of what guidance knew, and its normalised square, when it last heard;
-        and what `found_bank` told last of how far the target is beyond reach, rad.
-
-    Returns
-    -------
-    time, rows
-        Of the event, nan if it does not come; how many rows of `banks` were written.
+    carried
+        Its filter.
+    m, flown
+        Which entry, and where to write what becomes of it: a `Flown`.
     """
     x, seen, time, rows, side = start.copy(), start.copy(), 0.0, 0, 1.0
-    state, covariance, k = first.copy(), carried.covariance.copy(), 0
+    banks, end, told = flown.banks[m], flown.ends[m], flown.told[m]
+    state, covariance, k = carried.firsts[m].copy(), carried.covariance.copy(), 0
     heard, places = carried.problem.times, carried.problem.places
     blind = heard.size == 0
     if carried.method == ROOTED:
@@ -163,25 +168,29 @@ def guided_flight(
     bank, ratio, decision = g[BEFORE], 0.0, 0.0
     step = g[CYCLE] / max(1, math.ceil(g[CYCLE] / until.longest - 1e-9))
     told[:] = 0.0
+    flown.times[m] = np.nan
     if not blind:
         seen[:] = state[:6]
     if heading_error(seen, g) < 0.0:
         side, bank = -1.0, -bank
     size, wish = g[BEFORE], bank
     while time < until.seconds - 1e-9:
+        held = np.array([[time, bank]])
         if k < heard.size and time >= heard[k]:
-            hear(x, thicker, lift, p, known, bank, carried, k, draws[k], state, covariance, told)
+            hear(
+                x, world, known, held, carried, k, carried.draws[m, k], state, covariance, told
+            )  # fmt: skip
             seen[:] = state[:6]
             k += 1
         if time >= decision - 1e-9:
             decision += g[CYCLE]
-            felt = drag_of(x, thicker, p)
+            felt = drag_of(x, world)
             if felt > g[FELT]:
-                ratio += BELIEF * (math.log(felt / drag_of(seen, 0.0, known)) - ratio)
+                ratio += BELIEF * (math.log(felt / drag_of(seen, World(known, 0.0, 0.0))) - ratio)
                 if watched(seen, WATCH_SPEED, known) > g[ALIGN]:
-                    lift_known = known[LIFT] + added(state, places[OF_LIFT])
+                    believed = World(known, ratio, known[LIFT] + added(state, places[OF_LIFT]))
                     size, told[7] = found_bank(
-                        seen, ratio, lift_known, known, g, bank, side, until.seconds - time, until
+                        seen, believed, g, bank, side, until.seconds - time, until
                     )
                 wish, side = sided(seen, size, side, g)
             else:
@@ -190,88 +199,53 @@ def guided_flight(
         if k < heard.size:
             stop = min(stop, heard[k])
         after = turned(bank, wish, g[RATE] * (stop - time))
-        angle = 0.5 * (bank + after)
+        held[0, 1] = 0.5 * (bank + after)
         bank = after
-        if rows < banks.shape[0] and (rows == 0 or banks[rows - 1, 1] != angle):
-            banks[rows, 0], banks[rows, 1] = time, angle
+        if rows < banks.shape[0] and (rows == 0 or banks[rows - 1, 1] != held[0, 1]):
+            banks[rows] = held[0]
             rows += 1
-        rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), stop - time, end)
+            flown.rows[m] = rows
+        advance(x, world, held, time, stop, until.longest, end)
         if blind:
-            if watched(end, until.watch, p) <= until.level:
-                return time + crossing(x, thicker, lift, p, angle, stop - time, until, end), rows
+            if watched(end, until.watch, world.p) <= until.level:
+                flown.times[m] = crossing(x, world, held, time, stop, until, end)
+                return
             seen[:] = end
         else:
-            air, steeper = added(state, places[AIR]), added(state, places[OF_LIFT])
-            follow(carried, k, time, stop, known, angle, until.longest, state, covariance)
+            believed = world_of(known, state, places)
+            follow(carried, k, time, stop, known, held, until.longest, state, covariance)
             if watched(state, until.watch, known) <= until.level:
-                part = crossing(
-                    seen, air, known[LIFT] + steeper, known, angle, stop - time, until, state[:6]
-                )
-                rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), part, end)
-                return time + part, rows
+                event = crossing(seen, believed, held, time, stop, until, state[:6])
+                advance(x, world, held, time, event, until.longest, end)
+                flown.times[m] = event
+                return
             seen[:] = state[:6]
-        if not watched(end, WATCH_RADIUS, p) > until.ground:
-            return np.nan, rows
+        if not watched(end, WATCH_RADIUS, world.p) > until.ground:
+            return
         x[:] = end
         time = stop
-    return np.nan, rows
 
 
 @kernel
-def guided_banks(starts, worlds, targets, p, known, g, until, carried, banks, rows, ends, beyond):
-    """Write the bank that each of many entries flies to a target of its own.
-
-    Parameters
-    ----------
-    starts, worlds, p, known, g, until, carried
-        As in `dispersed_flights`; nothing is carried, guidance knows the true state.
-    targets
-        Unit vectors, (m, 3), in place of that of `g`.
-    banks, rows
-        Outputs: `banks` of `guided_flight`, (m, k, 2), and how many rows of each are written, (m,).
-    ends, beyond
-        Outputs: states at the event, (m, 6), and how far targets are beyond reach, rad, (m,).
-    """
-    own, told = g.copy(), np.empty(8)
-    nothing, unheard = np.empty(0), np.empty((0, 0, 0))
-    for m in range(starts.shape[0]):
-        own[TARGET : TARGET + 3] = targets[m]
-        _, rows[m] = guided_flight(
-            starts[m], worlds[m, 0], p[LIFT] + worlds[m, 1], p, known, own, until, carried, nothing,
-            unheard, banks[m], ends[m], told,
-        )  # fmt: skip
-        beyond[m] = told[7]
-
-
-@kernel
-def plain_flight(start, thicker, lift, p, bank, until, end):
-    """Fly one entry by a schedule of bank angles to an event; its time, nan if it does not come."""
-    x, time, longest = start.copy(), 0.0, until.longest
+def plain_flight(start, world, bank, until, m, flown):
+    """Fly one entry by a schedule of bank angles to an event."""
+    x, time, end = start.copy(), 0.0, flown.ends[m]
+    flown.times[m] = np.nan
     while time < until.seconds - 1e-9:
-        step = min(longest, until.seconds - time)
-        advance(x, thicker, lift, p, bank, time, time + step, longest, end)
-        if watched(end, until.watch, p) <= until.level:
-            low, high = 0.0, step
-            for _ in range(50):
-                middle = 0.5 * (low + high)
-                advance(x, thicker, lift, p, bank, time, time + middle, longest, end)
-                if watched(end, until.watch, p) > until.level:
-                    low = middle
-                else:
-                    high = middle
-            return time + high
-        if not watched(end, WATCH_RADIUS, p) > until.ground:
-            return np.nan
+        stop = time + min(until.longest, until.seconds - time)
+        advance(x, world, bank, time, stop, until.longest, end)
+        if watched(end, until.watch, world.p) <= until.level:
+            flown.times[m] = crossing(x, world, bank, time, stop, until, end)
+            return
+        if not watched(end, WATCH_RADIUS, world.p) > until.ground:
+            return
         x[:] = end
-        time += step
-    return np.nan
+        time = stop
 
 
 @kernel
-def dispersed_flights(
-    starts, worlds, p, known, g, bank, until, carried, firsts, draws, times, ends, told
-):  # fmt: skip
-    """Fly many entries, guided if `g` is not empty, else by `bank`.
+def dispersed_flights(starts, worlds, p, known, g, bank, until, carried, flown):
+    """Fly many entries, guided if `g` has columns, else by `bank`.
 
     Parameters
     ----------
@@ -279,19 +253,14 @@ def dispersed_flights(
         States, (m, 6).
     worlds
         What is added to the logarithm of the density and to L/D of each, (m, 2).
-    p, known, g, bank, until, carried, firsts, draws
-        As in `guided_flight` and `plain_flight`, `firsts` (m, s) and `draws` (m, t, n, c).
-    times, ends, told
-        Outputs: of the event, (m,), nan where it does not come, the state there, (m, 6), and of
-        guided ones what `guided_flight` tells, (m, 8).
+    p, known, bank, until, carried, flown
+        As in `guided_flight` and `plain_flight`.
+    g
+        Of each entry, (m, k); see `compass.core.entry.guide.TARGET`.
     """
-    unwritten = np.empty((0, 2))
     for m in range(starts.shape[0]):
-        thicker, lift = worlds[m, 0], p[LIFT] + worlds[m, 1]
-        if g.size > 0:
-            times[m], _ = guided_flight(
-                starts[m], thicker, lift, p, known, g, until, carried, firsts[m], draws[m],
-                unwritten, ends[m], told[m],
-            )  # fmt: skip
+        world = World(p, worlds[m, 0], p[LIFT] + worlds[m, 1])
+        if g.shape[1] > 0:
+            guided_flight(starts[m], world, known, g[m], until, carried, m, flown)
         else:
-            times[m] = plain_flight(starts[m], thicker, lift, p, bank, until, ends[m])
+            plain_flight(starts[m], world, bank, until, m, flown)

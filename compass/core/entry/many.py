@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
 from compass.core.entry.flow import advance_transition
-from compass.core.entry.rates import COLUMNS, LIFT
+from compass.core.entry.rates import COLUMNS, LIFT, World
 from compass.core.jit import fast_kernel, kernel
-from compass.core.smallmatrix import matmul
+from compass.core.smallmatrix import cholesky, matmul
 
 Array = NDArray[np.float64]
 
@@ -89,15 +89,15 @@ def fly_many(starts, worlds, p, times, longest, ending, flights):
     phi, spread = np.empty((6, COLUMNS)), np.empty((COLUMNS, size))
     for m in range(starts.shape[0]):
         paths[m, 0] = starts[m]
+        world = World(p, offsets[m, 0], p[LIFT] + offsets[m, 1])
         spread[:, :] = spreads[m]
         stops[m] = last
         for t in range(last + 1):
             here, gain = paths[m, t], gains[m, t]
             if t > 0:
                 advance_transition(
-                    paths[m, t - 1], offsets[m, 0], p[LIFT] + offsets[m, 1], p, banks[m],
-                    times[t - 1], times[t], longest, here, phi,
-                )  # fmt: skip
+                    paths[m, t - 1], world, banks[m], times[t - 1], times[t], longest, here, phi
+                )
                 matmul(phi, spread, gain)
                 spread[:6] = gain
             else:
@@ -120,6 +120,29 @@ def add_square(h, weight, out, m, i):
         for b in range(a + 1):
             out[m, i, k + b] += scaled * h[b]
         k += a + 1
+
+
+@kernel
+def take_out(told, erring, packed):
+    """Take from packed information what errors cost that are found out as far as they can be.
+
+    That is ``F_ue (I + F_ee)^-1 F_eu``; `told` (d, e) and `erring` (e, e), F_ue and F_ee of errors
+    that are whitened, are spoilt.
+    """
+    size, errors = told.shape
+    for e in range(errors):
+        erring[e, e] += 1.0
+    cholesky(erring, erring)
+    k = 0
+    for a in range(size):
+        for e in range(errors):  # L^-1 of it, so that what is taken is a square
+            for j in range(e):
+                told[a, e] -= erring[e, j] * told[a, j]
+            told[a, e] /= erring[e, e]
+        for b in range(a + 1):
+            for e in range(errors):
+                packed[k] -= told[a, e] * told[b, e]
+            k += 1
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from compass.core.entry.flow import bank_at
 from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
-from compass.core.entry.rates import DRAG, WINDS, log_density, through_air, wind_gradient
+from compass.core.entry.rates import DRAG, WINDS, World, log_density, through_air, wind_gradient
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
 
@@ -26,6 +26,12 @@ AXES = 3
 def added(x, place):
     """State at `place`, or 0 where the block is left out (-1)."""
     return x[place] if place >= 0 else 0.0
+
+
+@kernel
+def world_of(p, x, places):
+    """World of parameters `p`, its density and L/D corrected by a state."""
+    return World(p, added(x, places[AIR]), p[RATIO] + added(x, places[LIFT]))
 
 
 @kernel
@@ -70,11 +76,8 @@ def measured(kind, x, source, number, places, p, angle, row):
         Output, (s,); only the entries named here are written, the others must be zero.
     """
     if kind >= ACCELERATION:
-        lift = p[RATIO] + added(x, places[LIFT])
-        return acceleration_row(
-            kind - ACCELERATION, x, added(x, places[AIR]), lift, p, math.cos(angle),
-            math.sin(angle), places, row,
-        )  # fmt: skip
+        world, axis = world_of(p, x, places), kind - ACCELERATION
+        return acceleration_row(axis, x, world, math.cos(angle), math.sin(angle), places, row)
     if kind >= BEARING:
         return _component(kind, x, source, places, row)
     if kind == HEIGHT:
@@ -139,7 +142,7 @@ def _component(kind, x, source, places, row):
 
 
 @fast_kernel
-def acceleration_row(axis, x, thicker, lift, p, cos_bank, sin_bank, places, row):
+def acceleration_row(axis, x, world, cos_bank, sin_bank, places, row):
     """Predict what an accelerometer reads, and write its row.
 
     ``a = [-D, -L sin(bank), L cos(bank)] + b``, with ``D = rho B V^2 / 2``, V through the air,
@@ -150,13 +153,14 @@ def acceleration_row(axis, x, thicker, lift, p, cos_bank, sin_bank, places, row)
     ----------
     axis
         Along the velocity through the air, to the side or across it: 0, 1, 2.
-    x, thicker, lift, p, cos_bank, sin_bank
+    x, world, cos_bank, sin_bank
         As in `compass.core.entry.rates.acceleration`; x of shape (s,).
     places
         See `PLACES`.
     row
         Output, (s,); only the entries named here are written, the others must be zero.
     """
+    p, thicker, lift = world
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
     w = through_air(x, p)
     square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
@@ -181,12 +185,3 @@ def acceleration_row(axis, x, thicker, lift, p, cos_bank, sin_bank, places, row)
         value += x[places[IMU] + axis]
         row[places[IMU] + axis] = 1.0
     return value
-
-
-@fast_kernel
-def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out):
-    """`acceleration_row` of all three, into `rows` (>= 3, s) and `out` (>= 3,), m/s^2."""
-    for axis in range(AXES):
-        out[axis] = acceleration_row(
-            axis, x, thicker, lift, p, cos_bank, sin_bank, places, rows[axis]
-        )

@@ -27,28 +27,27 @@ def sound(x, cov):
 
 
 @kernel
-def fuse(arrangement, coefficients, estimates, room, work):
+def fuse(arrangement, coefficients, estimates, work):
     """Write the fused estimate; False if it is not positive definite.
 
     Sums run over differences from one subsystem's state, so that 3 400 km do not cost digits.
     """
-    x, cov, u = estimates.x, estimates.P, arrangement.scale
+    x, cov, u, gain = estimates.x, estimates.P, arrangement.scale, np.zeros(estimates.x.size)
     first = 0
     while coefficients[first] == 0.0:
         first += 1
-    weighted_sum(room.information, coefficients, work.b)
+    weighted_sum(estimates.information, coefficients, work.b)
     if not invert(work.b, cov, work.a):
         return False
-    room.gain[:] = 0.0
     for i in range(first + 1, coefficients.size):
         for k in range(x.size):
             apart = (estimates.local_x[i, k] - estimates.local_x[first, k]) / u[k]
             for j in range(x.size):
-                room.gain[j] += coefficients[i] * room.information[i, j, k] * apart
+                gain[j] += coefficients[i] * estimates.information[i, j, k] * apart
     for j in range(x.size):
         total = 0.0
         for k in range(x.size):
-            total += cov[j, k] * room.gain[k]
+            total += cov[j, k] * gain[k]
         x[j] = estimates.local_x[first, j] + u[j] * total
     for j in range(x.size):
         for k in range(x.size):
@@ -90,13 +89,13 @@ def turned(x, y, half, out):
 
 
 @kernel
-def weigh(arrangement, alive, estimates, room, work):
+def weigh(arrangement, alive, estimates, half, work):
     """Write information matrices and weights of the live subsystems; False if there are none."""
     u = arrangement.scale
     for i in range(alive.size):
         if not alive[i]:
             continue
-        y = room.information[i]
+        y = estimates.information[i]
         if not invert(estimates.local_cov[i], y, work.a):
             return False
         for j in range(u.size):
@@ -107,10 +106,10 @@ def weigh(arrangement, alive, estimates, room, work):
     elif arrangement.rule == FAST:  # its norm depends on the axes: those of the vehicle
         for i in range(alive.size):
             if alive[i]:
-                turned(estimates.x, room.information[i], room.half, work.stack[i])
+                turned(estimates.x, estimates.information[i], half, work.stack[i])
         fast_weights(work.stack, alive, estimates.weights, work.a)
     else:
         return optimal_weights(
-            room.information, alive, arrangement.rule == TRACE, estimates.weights, work
+            estimates.information, alive, arrangement.rule == TRACE, estimates.weights, work
         )
     return True

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.flow import bank_at
-from compass.core.entry.many import add_square
+from compass.core.entry.many import add_square, take_out
 from compass.core.entry.measure import AIR, ATTITUDE, GYRO, IMU, LIFT, PLACES, measured
 from compass.core.entry.rates import COLUMNS
 from compass.core.jit import kernel
-from compass.core.smallmatrix import cholesky, cholesky_solve
 
 Array = NDArray[np.float64]
 
@@ -53,12 +52,12 @@ def own_information(flights, worlds, p, times, readings, out):
     places[AIR], places[LIFT], places[IMU], places[ATTITUDE], places[GYRO] = 6, 7, 8, 11, 14
     size, own = COLUMNS + errors.size, errors.size
     x, row, motion = np.zeros(size), np.empty(size), gains.shape[3]
-    h, s, low = np.empty(motion), np.empty(own), np.empty((own, own))
+    h, s = np.empty(motion), np.empty(own)
     cross, square = np.empty((motion, own)), np.empty((own, own))
     out[:] = 0.0
     for m in range(paths.shape[0]):
         cross[:] = 0.0
-        square[:] = np.eye(own)
+        square[:] = 0.0
         x[6:COLUMNS] = offsets[m]
         for t in range(stops[m] + 1):
             x[:6] = paths[m, t]
@@ -83,12 +82,4 @@ def own_information(flights, worlds, p, times, readings, out):
                             cross[j, e] += worth * h[j] * s[e]
                         for k in range(own):
                             square[e, k] += worth * s[e] * s[k]
-        cholesky(square, low)  # at least the unit matrix
-        k = 0
-        for a in range(motion):
-            gain = cross[a].copy()
-            cholesky_solve(low, gain)
-            for b in range(a + 1):
-                for e in range(own):
-                    out[m, 0, k] -= gain[e] * cross[b, e]
-                k += 1
+        take_out(cross, square, out[m, 0])

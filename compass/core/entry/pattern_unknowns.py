@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.many import WAYS
+from compass.core.entry.many import WAYS, take_out
 from compass.core.entry.tile import (
     BESIDE,
     BESIDES,
@@ -41,7 +41,7 @@ from compass.core.entry.tile import (
     in_view,
 )
 from compass.core.jit import fast_kernel, inline_kernel, kernel
-from compass.core.smallmatrix import cholesky, matmul
+from compass.core.smallmatrix import matmul
 
 
 class NotKnown(NamedTuple):
@@ -278,26 +278,13 @@ def add_clock(tile, gain, clock, packed):
 
 
 @kernel
-def take_out(told, erring, root, packed):
+def take_satellite_out(told, erring, root, packed):
     """Take from packed information what a satellite's own errors cost, in place.
 
-    That is ``F_ue (I + F_ee)^-1 F_eu``, the errors whitened by `root`; `told` and `erring` are
-    sums of `add_satellite`.
+    They are whitened by `root`; `told` and `erring` are sums of `add_satellite`.
     """
     cross, half, own = np.empty(told.shape), np.empty((WAYS, WAYS)), np.empty((WAYS, WAYS))
     matmul(told, root, cross)
     matmul(erring, root, half)
     matmul(root.T, half, own)
-    for k in range(WAYS):
-        own[k, k] += 1.0
-    cholesky(own, own)
-    k = 0
-    for a in range(told.shape[0]):
-        for i in range(WAYS):  # L^-1 of it, so that what is taken is a square
-            for j in range(i):
-                cross[a, i] -= own[i, j] * cross[a, j]
-            cross[a, i] /= own[i, i]
-        for b in range(a + 1):
-            for i in range(WAYS):
-                packed[k] -= cross[a, i] * cross[b, i]
-            k += 1
+    take_out(cross, own, packed)

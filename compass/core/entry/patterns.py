@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.many import WAYS, bound
-from compass.core.entry.pattern_unknowns import add_clock, add_satellite, take_out
+from compass.core.entry.pattern_unknowns import add_clock, add_satellite, take_satellite_out
 from compass.core.entry.tile import (
     COUNT,
     END,
@@ -158,7 +158,7 @@ def judge_patterns(
         end[:, :motions] = gains[m, stops[m]]
         for c in range(size):
             for s in range(satellites[c] if erring else 0):
-                take_out(told[c, s], own[c, s], roots[c, s], packed[c])
+                take_satellite_out(told[c, s], own[c, s], roots[c, s], packed[c])
             blind[c, m] = _is_blind(packed[c], stops.max() + 1, low)
             k = -1
             for a in range(d):

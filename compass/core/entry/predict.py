@@ -6,9 +6,8 @@ import numpy as np
 
 from compass.core.entry.flow import advance_spread, advance_transition
 from compass.core.entry.kinds import ROOTED, UNSCENTED
-from compass.core.entry.measure import AIR, ATTITUDE, CLOCK, GYRO, LIFT, added
+from compass.core.entry.measure import AIR, ATTITUDE, CLOCK, GYRO, LIFT, world_of
 from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT
-from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.root import triangle
 from compass.core.jit import fast_kernel, inline_kernel, kernel
 
@@ -127,8 +126,8 @@ def spread_factor(covariance, places, factor):
 @kernel
 def move(x, covariance, base, problem, t, method, half):
     """Move an estimate to epoch t from that before, linearised at `base` (which may be `x`)."""
-    p, bank, longest, places = problem.p, problem.bank, problem.longest, problem.places
-    start, stop = problem.times[t - 1], problem.times[t]
+    bank, longest, places = problem.bank, problem.longest, problem.places
+    world, start, stop = world_of(problem.p, base, places), problem.times[t - 1], problem.times[t]
     noise, walk, fade = problem.noise[t], problem.walk[t], problem.fade[t]
     after, phi = np.empty(6), np.empty((6, COLUMNS))
     roots, shaken = np.zeros((6, 6 + COLUMNS)), noise.shape[0]
@@ -136,17 +135,14 @@ def move(x, covariance, base, problem, t, method, half):
         for j in range(6):
             roots[i, j] = noise[i, j]
     air, lift, count = places[AIR], places[LIFT], shaken
-    thicker, ratio = added(base, air), p[RATIO] + added(base, lift)
     if method == UNSCENTED:
         factor, bend = np.empty((COLUMNS, COLUMNS)), np.empty((6, COLUMNS))
         spread_factor(covariance, places, factor)
-        advance_spread(
-            base, factor, thicker, ratio, p, bank, start, stop, longest, after, phi, bend
-        )
+        advance_spread(base, factor, world, bank, start, stop, longest, after, phi, bend)
         roots[:, 6:] = bend
         count = 6 + COLUMNS
     else:
-        advance_transition(base, thicker, ratio, p, bank, start, stop, longest, after, phi)
+        advance_transition(base, world, bank, start, stop, longest, after, phi)
     if method == ROOTED:
         moved_root(phi, stop - start, roots[:, :count], walk, fade, places, covariance)
     else:

@@ -11,10 +11,12 @@ velocity through the air.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compass.core.jit import fast_kernel
+from compass.core.jit import fast_kernel, kernel
 
 #: Places in ``p``: gravitational parameter; ``3/2 J2 mu R^2`` (0 for a point mass); rotation rate
 #: and which of its terms are kept; the density at r0, its logarithm; r0; scale height;
@@ -27,6 +29,24 @@ CORIOLIS, CENTRIFUGAL, SWAPPED = 0.0, 1.0, 2.0
 
 #: Columns of the partials: position, velocity, logarithm of the density, lift-to-drag ratio.
 COLUMNS, OF_AIR, OF_LIFT = 8, 6, 7
+
+
+class World(NamedTuple):
+    """Where a state flies: the parameters, what is added to ``ln rho``, and lift-to-drag ratio."""
+
+    p: NDArray[np.float64]
+    thicker: float
+    lift: float
+
+
+@kernel
+def thickened(p, thicker, lift):
+    """Parameters of a world whose ``ln rho`` and L/D are more than in another."""
+    out, n = p.copy(), (p.size - TABLE - 3 * int(p[WINDS])) // 2
+    out[LOG_DENSITY] += thicker
+    out[TABLE + n : TABLE + 2 * n] += thicker
+    out[LIFT] += lift
+    return out
 
 
 @fast_kernel
@@ -128,7 +148,7 @@ def wind_gradient(x, p, out):
 
 
 @fast_kernel
-def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
+def acceleration(x, world, cos_bank, sin_bank, out):
     """Write the acceleration (m/s^2) into ``out[0:3]``.
 
     ``a = -mu u/r^2 - D s + L (cos(bank) e + sin(bank) f) - 2 w x v - w x (w x r)``, with u up, s
@@ -139,15 +159,12 @@ def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
     ----------
     x
         State, shape (>= 6,).
-    thicker
-        Added to ``ln rho``.
-    lift
-        Lift-to-drag ratio.
-    p
-        Parameters.
+    world
+        `World`.
     cos_bank, sin_bank
         Of the bank angle, positive turning the velocity clockwise.
     """
+    p, thicker, lift = world
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
     vx, vy, vz = through_air(x, p)
     v = math.sqrt(vx * vx + vy * vy + vz * vz)
@@ -181,11 +198,12 @@ def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
 
 
 @fast_kernel
-def acceleration_partials(x, thicker, lift, p, cos_bank, sin_bank, out):
+def acceleration_partials(x, world, cos_bank, sin_bank, out):
     """Write the derivative of `acceleration` into `out`, shape (3, 8).
 
     Column by column: how u, s, the density and the speed turn, then what turns with them.
     """
+    p, thicker, lift = world
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
     vx, vy, vz = through_air(x, p)
     v = math.sqrt(vx * vx + vy * vy + vz * vz)

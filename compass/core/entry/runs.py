@@ -8,31 +8,21 @@ from numpy.typing import NDArray
 
 from compass.core.entry.filter import filter_run
 from compass.core.entry.flow import advance
-from compass.core.entry.measure import AIR, ESTIMATED, LIFT, added, ideal_values
+from compass.core.entry.measure import AIR, ESTIMATED, LIFT, ideal_values, world_of
 from compass.core.entry.predict import rate_of
-from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import kernel
+from compass.core.smallmatrix import cholesky
 
 
 @kernel
 def normalised_square(covariance, error):
-    """``e^T P^-1 e`` by Cholesky of the correlation matrix; nan if P is not positive definite."""
-    n = error.size
-    low, y = np.zeros((n, n)), np.empty(n)
-    total = 0.0
+    """``e^T P^-1 e`` by Cholesky; nan if P is not positive definite."""
+    n, total = error.size, 0.0
+    low, y = np.empty((n, n)), np.empty(n)
+    if not cholesky(covariance, low):
+        return np.nan
     for i in range(n):
-        si = math.sqrt(covariance[i, i])
-        for j in range(i + 1):
-            value = covariance[i, j] / (si * math.sqrt(covariance[j, j]))
-            for k in range(j):
-                value -= low[i, k] * low[j, k]
-            if i == j:
-                if not value > 0.0:
-                    return np.nan
-                low[i, i] = math.sqrt(value)
-            else:
-                low[i, j] = value / low[j, j]
-        value = error[i] / si
+        value = error[i]
         for k in range(i):
             value -= low[i, k] * y[k]
         y[i] = value / low[i, i]
@@ -54,21 +44,57 @@ class Draws(NamedTuple):
 
 
 @kernel
-def monte_carlo(
-    path, p_true, covariance0, problem, iterations, method, draws, errors, squares, sigmas
-):
-    """Run the filter many times against the true flight.
+def true_flight(path, world, normals, truth):
+    """Move all states of a truth (t, s) on from the first, as process noise shakes them.
 
-    Without process noise the truth is `path` itself, however far apart the epochs are; with it,
-    the truth is moved from its own last state, by the same steps as the filter's, and shaken, and
-    so it is where the density wanders. All other blocks begin at zero in truth and gather what
-    `walk` says; the first estimate is drawn about the truth, and where the density wanders, the
-    truth about the estimate.
+    Position and velocity are those of `path` (t, 6) unless they are shaken, or density or L/D
+    wanders: then they are flown from the shaken ones, by the same steps as a filter's.
 
     Parameters
     ----------
-    path, p_true
-        The true flight at the epochs, (t, 6), and the parameters it was flown with.
+    path
+        The flight without noise.
+    world
+        The `compass.core.entry.groups.Problem` of one who knows the truth.
+    normals
+        Draws, (t, s).
+    truth
+        Output, but for what is behind position and velocity at the first epoch.
+    """
+    _, bank, times, longest, noise, walk, fade, _, _, _, places = world
+    air, lift = places[AIR], places[LIFT]
+    flown = noise.shape[1] > 0 or (air >= 0 and truth[0, air] != 0.0)
+    truth[:, :6] = path
+    for t in range(1, times.size):
+        for i in range(6, truth.shape[1]):
+            kept, rate = fade[t] if i == air else 1.0, rate_of(i, places)
+            truth[t, i] = kept * truth[t - 1, i] + math.sqrt(walk[t, i]) * normals[t, i]
+            if rate >= 0:
+                truth[t, i] += (times[t] - times[t - 1]) * truth[t - 1, rate]
+            flown = flown or (i in (air, lift) and walk[t, i] > 0.0)
+        if flown:
+            there = world_of(world.p, truth[t - 1], places)
+            advance(truth[t - 1], there, bank, times[t - 1], times[t], longest, truth[t])
+            for i in range(noise.shape[1]):
+                for j in range(6):
+                    truth[t, i] += noise[t, i, j] * normals[t, j]
+
+
+@kernel
+def monte_carlo(
+    path, world, covariance0, problem, iterations, method, draws, errors, squares, sigmas
+):
+    """Run the filter many times against the true flight.
+
+    Without process noise the truth is `path` itself, however far apart the epochs are; with it, and
+    where the density wanders, that of `true_flight`. All other blocks begin at zero in truth; the
+    first estimate is drawn about the truth, and where the density wanders, the truth about the
+    estimate.
+
+    Parameters
+    ----------
+    path, world
+        The true flight at the epochs, (t, 6), and the problem of one who knows the world.
     covariance0, problem, iterations, method
         As in `filter_run`.
     draws
@@ -81,16 +107,16 @@ def monte_carlo(
     sigmas
         Output, (m, t, 2): roots of the traces of the covariance of position and of velocity.
     """
-    _, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
+    p, bank, times, _, noise, walk, fade, sources, variances, kinds, places = world
     runs, epochs, size = errors.shape[0], times.size, covariance0.shape[0]
     truth = np.zeros((epochs, size))
     truth[:, :6] = path
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
     ideal, z = np.empty(variances.shape), np.empty(variances.shape)
     start, difference = np.empty(size), np.empty(size)
-    estimated, shaken = places[ESTIMATED], noise.shape[1] > 0
-    air, wanders, walks = places[AIR], fade.min() < 1.0, walk.max() > 0.0
-    ideal_values(truth, sources, kinds, places, p_true, bank, times, ideal)
+    estimated, air, wanders = places[ESTIMATED], places[AIR], fade.min() < 1.0
+    shaken = noise.shape[1] > 0 or walk.max() > 0.0
+    ideal_values(truth, sources, kinds, places, p, bank, times, ideal)
     for m in range(runs):
         for i in range(size):
             start[i] = 0.0
@@ -99,26 +125,9 @@ def monte_carlo(
         if wanders:
             truth[0, air] = -start[air]
             start[air] = 0.0
-        if walks:
-            for t in range(1, epochs):
-                for i in range(6, size):
-                    kept, rate = fade[t] if i == air else 1.0, rate_of(i, places)
-                    truth[t, i] = kept * truth[t - 1, i]
-                    if rate >= 0:
-                        truth[t, i] += (times[t] - times[t - 1]) * truth[t - 1, rate]
-                    truth[t, i] += math.sqrt(walk[t, i]) * draws.shaken[m, t, i]
         if shaken or wanders:
-            for t in range(1, epochs):
-                advance(
-                    truth[t - 1], added(truth[t - 1], air),
-                    p_true[RATIO] + added(truth[t - 1], places[LIFT]), p_true, bank,
-                    times[t - 1], times[t], longest, truth[t],
-                )  # fmt: skip
-                for i in range(noise.shape[1]):
-                    for j in range(6):
-                        truth[t, i] += noise[t, i, j] * draws.shaken[m, t, j]
-        if shaken or walks:
-            ideal_values(truth, sources, kinds, places, p_true, bank, times, ideal)
+            true_flight(path, world, draws.shaken[m], truth)
+            ideal_values(truth, sources, kinds, places, p, bank, times, ideal)
         for i in range(6):
             start[i] += truth[0, i]
         for t in range(epochs):

@@ -53,18 +53,20 @@ def informed(y, gathered, covariance, shift):
 
 
 @kernel
-def update(x, covariance, base, problem, t, z, iterations, method):
+def update(x, covariance, base, problem, t, z, variances, iterations, method):
     """Update with what is measured at epoch t, linearised at `base` and iterated from there.
 
-    That is z (n, c), nan for what is not measured. `covariance` is its root for a filter that
-    carries that. In the form of `INFORMATION` all measurements of the epoch are gathered first,
-    ``Y = P^-1 + sum h^T h / R``, and inverted once.
+    That is z (n, c), nan for what is not measured, with `variances` (n, c). `covariance` is its
+    root for a filter that carries that. In the form of `INFORMATION` all measurements of the epoch
+    are gathered first, ``Y = P^-1 + sum h^T h / R``, and inverted once.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
     from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
     """
-    p, bank, times, _, _, _, _, sources, variances, kinds, places = problem
-    angle, size = bank[bank_at(times[t], bank), 1], x.size
+    p, bank, kinds, places, sources = (
+        problem.p, problem.bank, problem.kinds, problem.places, problem.sources
+    )  # fmt: skip
+    angle, size = bank[bank_at(problem.times[t], bank), 1], x.size
     prior, shift, before = covariance.copy(), np.empty(size), np.empty(size)
     rows, gain, point = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
     first, y = np.empty((size, size)), np.empty((size, size))
@@ -85,7 +87,7 @@ def update(x, covariance, base, problem, t, z, iterations, method):
             for c in range(kinds.size):
                 if math.isnan(z[b, c]):
                     continue
-                row, variance = rows[c], variances[t, b, c]
+                row, variance = rows[c], variances[b, c]
                 residual = z[b, c] - measured(
                     kinds[c], point, sources[t, b], b, places, p, angle, row
                 )
