@@ -258,9 +258,9 @@ def lasting(results: DesignResults) -> list[Answer]:
 ANSWERS: tuple[Callable[[DesignResults], list[Answer]], ...] = (
     requirements,
     coverage,
+    stations,
     lasting,
     geometry,
     tightest,
-    stations,
     losses,
 )

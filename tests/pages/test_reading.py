@@ -25,11 +25,13 @@ pytestmark = pytest.mark.browser
 DOT = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mP8/x8AAwMCAO+ip1sAAAAASUVORK5CYII="
 )
+AXES = "document.querySelector('#curve .reading').reading.panels[0]"
 WIDE = Table(
     "A wide table of long words",
     ("station", *(quantity(f"station.{n}").heading for n in ("gdop_p95", "pdop_p95", "mean")), "u"),
     tuple((f"Station of a long name {k}", 2.5, 3.25, 6.5, "words " * 6) for k in range(5)),
 )
+WORDS = "at 109 epochs on cells of one degree, error not known"
 LONG = Table("Long", ("", "n"), tuple((f"row {k}", k / 7) for k in range(60)))
 
 
@@ -42,7 +44,7 @@ def page(seed_design, tmp_path_factory):
         "Met, and how sure",
         (
             Answer("Four in view everywhere", "proven", True, "for all time"),
-            Answer("GDOP, 95 % below", Value(quantity("gdop"), 3.4), False, "sampled"),
+            Answer("GDOP, 95 % below", Value(quantity("gdop"), 3.4), False, f"sampled, {WORDS}"),
             Answer("<i>Left</i>", "31 days"),
         ),
     )
@@ -124,6 +126,11 @@ def test_nothing_sticks_out_and_no_letter_of_a_picture_is_too_small(browser, pag
         ").map(e => e.textContent.slice(0, 40))"
     )
     assert narrow == []  # no column of single letters
+    if width < 500:  # what is moved sideways is not squeezed into heads of one word a line
+        heads = browser.execute_script(
+            "return [...document.querySelector('#s2 table').querySelectorAll('th')].map(e => e.offsetWidth)"
+        )
+        assert min(heads) >= 5 * 16
     shown = browser.execute_script(
         "return [...document.querySelectorAll('img:not(.still)')].map(e => [e.src, e.clientWidth])"
     )
@@ -179,8 +186,15 @@ def test_on_paper_all_is_open_but_the_provenance_and_no_row_is_cut(browser, page
         ".map(e => parseFloat(getComputedStyle(e).fontSize))"
     )
     assert max(sizes) <= 10.01  # 7.5 points: the columns of one table
+    (sure,) = browser.find_elements("css selector", ".answers details")
+    assert sure.text.split("\n") == ["sampled", WORDS]
+    led = browser.execute_script(
+        "return [...document.querySelectorAll('section > p')].filter(p => getComputedStyle(p)"
+        ".breakAfter === 'avoid').map(p => p.nextElementSibling.className)"
+    )
+    assert led == ["pictures"]  # what leads to pictures or a table stays with them
     cut = browser.execute_script(
-        "return [...document.querySelectorAll('tr, figure')]"
+        "return [...document.querySelectorAll('tr, figure, section > p')]"
         ".filter(e => getComputedStyle(e).breakInside !== 'avoid').length"
     )
     assert cut == 0
@@ -242,6 +256,10 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
     across, high = (left + right) / 2, top + 0.1 * (bottom - top)
     told = pointed(browser, "curve", across, high)
     assert told.splitlines() == ["days: 10", "deg", "rising: 3"]
+    for name, place in (("latitude", "10.0° N"), ("longitude", "10.0° E")):
+        browser.execute_script(f"{AXES}.x[3] = '{name}'")
+        assert pointed(browser, "curve", across, high).splitlines()[0] == f"{name}: {place}"
+    browser.execute_script(f"{AXES}.x[3] = 'days'")
     (rows,) = browser.execute_script(
         "return document.querySelector('#spans .reading').reading.panels"
     )
