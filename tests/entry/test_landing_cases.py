@@ -228,7 +228,7 @@ def test_one_run_says_what_many_runs_find(seed):
         ("velocity_sigma_m_s = 0.5", f"velocity_sigma_m_s = {velocity}"),
         text=text,
     )
-    text += f'[[trigger]]\nname = "slow"\nspeed_m_s = {rng.uniform(1000, 4000)}\n'
+    text += f'[[trigger]]\nname = "parachute"\nspeed_m_s = {rng.uniform(1000, 4000)}\n'
     text += f"[dispersion]\nentries = 1000\nposition_m = {position}\nvelocity_m_s = {velocity}\n"
     scenario = read_scenario_text(text, folder=DESIGNS)
     found = assess_scenario(scenario, 200)
