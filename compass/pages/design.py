@@ -16,7 +16,8 @@ from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
-from compass.api.series import SeriesResult, series
+from compass.api.series import series
+from compass.api.series_result import SeriesResult
 from compass.api.show import show
 from compass.bodies import SOLAR_DAY
 from compass.design import Design

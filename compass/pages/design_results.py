@@ -7,7 +7,7 @@ from compass.api.check import CheckResult
 from compass.api.fold_result import FoldResult
 from compass.api.map_result import MapResult
 from compass.api.outlook import Outlook
-from compass.api.series import SeriesResult
+from compass.api.series_result import SeriesResult
 from compass.api.show import ShowResult
 from compass.coverage.areas import AreaFigures
 from compass.design import Design

@@ -5,7 +5,7 @@ import numpy as np
 from compass.api.determine import DetermineResult, determine
 from compass.api.map_errors import budget_blocks, error_table, error_words, protection_blocks
 from compass.api.map_result import MapResult
-from compass.api.series import SeriesResult
+from compass.api.series_result import SeriesResult
 from compass.api.show_signal import signal_blocks, signal_facts
 from compass.coverage.fix_budget import PARTS
 from compass.design import Design
