@@ -120,7 +120,8 @@ def equatorial_rows() -> list[Row]:
     blind = {mask: float((worst == 0).mean()) for mask, worst in shares.items()}
     return [
         claim(
-            "two equatorial stations, best longitude: least share of time in view of any satellite",
+            f"two equatorial stations, best of {LONGITUDES} longitudes: least share of a day in "
+            "view of any satellite",
             "Section IV, Figure 6",
             published,
             float(shares[0.0].max()),
@@ -129,7 +130,8 @@ def equatorial_rows() -> list[Row]:
             lambda share: share > 0,
         ),
         claim(
-            "two equatorial stations: share of longitudes at which some satellite never rises",
+            f"two equatorial stations: share of {LONGITUDES} longitudes at which some satellite "
+            "never rises",
             "Section IV",
             published,
             blind[0.0],
@@ -188,7 +190,7 @@ def phobos_rows() -> list[Row]:
             "2 or more",
             lambda rate: rate >= 2,
         ),
-        computed("Phobos: share of time in view", where, share_in_view(seen), "1"),
+        computed("Phobos: share of 30 sols in view", where, share_in_view(seen), "1"),
         computed("Phobos: longest occultation", where, occultations(seen).max() / HOUR, "h"),
     ]
 
@@ -218,7 +220,7 @@ def deimos_rows() -> list[Row]:
         rows.append(
             claim(
                 f"Deimos ({model}): longest occultation; by a chord of the disc; mean; share under "
-                "3 h",
+                "3 h, in 30 sols",
                 where,
                 "less than 3 hours",
                 (gaps.max(), longest_chord(DEIMOS_ORBIT) / HOUR, gaps.mean(), (gaps < 3).mean()),
@@ -234,7 +236,7 @@ def deimos_rows() -> list[Row]:
         )
         rows.append(
             claim(
-                f"Deimos ({model}): share of time in view",
+                f"Deimos ({model}): share of 30 sols in view",
                 where,
                 "nearly continuous",
                 share_in_view(seen),

@@ -103,7 +103,7 @@ def test_moon_rows(every_row_can_fail):
     assert 3.4 < longest.found[0] < 3.6
     assert longest.verdict == "erratum"
     for model in ("precessing", "circular"):
-        share = rows[f"Deimos ({model}): share of time in view"]
+        share = rows[f"Deimos ({model}): share of 30 sols in view"]
         assert share.verdict == "reproduced"
         assert share.computed == pytest.approx(0.978, abs=1e-3)
     assert rows["Deimos: longest unbroken view of a satellite"].computed > 2
