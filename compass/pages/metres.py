@@ -125,7 +125,8 @@ def fix_budget_picture(mapped: MapResult) -> list[Picture]:
         "fix-budget",
         "What a fix is made of: clock, orbit, receiver, ionosphere, geometry",
         "An error of ranges and of fixes over area and time, cut by the parts' shares of the "
-        "variance. Geometry makes of a range's error that of a fix: so many times it.",
+        "variance. Geometry makes of a range's error that of a fix: so many times it. Of "
+        f"{mapped.drawn.how if mapped.drawn else ''}; the bounds are in the table.",
         wide=True,
         alt="Bars of the error of a range and of fixes, by part; geometry as a factor.",
     )
