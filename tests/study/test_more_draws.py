@@ -9,10 +9,10 @@ from compass.api.trade import TradeResult
 from compass.inputs.study import Objective
 from compass.study import stages
 from compass.study.bounds import ends
-from compass.study.candidates import batches, candidates
+from compass.study.candidates import batches, candidates, make_constellation
 from compass.study.draws import DRAWS, drawn_columns, more_draws
 from compass.study.pareto import fronts
-from compass.study.pattern_judging import entries_of, entry_figures
+from compass.study.pattern_judging import entries_of, entry_figures, judged
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
 from compass.study.trade import run_trade
@@ -138,3 +138,18 @@ def test_more_draws_are_what_the_stage_finds_of_so_many_entries(study):
         assert np.array_equal(values, own[name])
     low, high = (found[end] for end in ends(FIGURE))
     assert np.all(low <= found[FIGURE]) and np.all(found[FIGURE] <= high)
+
+
+def test_the_median_in_view_lies_between_bounds_the_same_by_either_kernel(study):
+    """Of so few entries nearly all that is possible; of more, nearer."""
+    name = "in_view.median"
+    study = replace(study, objectives=(Objective("satellites", 1), Objective(name, -1)))
+    rows = next(batches(candidates(study), 2))
+    found, more = entry_figures(study, rows), more_draws("draws-1", study, rows)
+    assert set(more) == {name, *ends(name)}
+    low, high = (found[end] for end in ends(name))
+    assert np.all((low <= found[name]) & (found[name] <= high))
+    assert np.all(more[ends(name)[1]] - more[ends(name)[0]] < high - low)
+    for k, row in enumerate(rows):
+        one = judged(study, entries_of(study), make_constellation(row), float(row["mask_deg"]))
+        assert [one[end] for end in ends(name)] == [low[k], high[k]]
