@@ -70,6 +70,7 @@ def test_errors_at_the_sites_stand_on_the_page_over_time():
     assert any(t.title == "Errors of fixes over time" for t in section.tables)
 
 
+@pytest.mark.slow
 def test_every_number_of_a_budget_stands_between_bounds_in_json_and_in_files():
     more = DESIGN.replace("satellites = 9", "satellites = 24")
     made = mapped(more + SIGNAL + "[integrity]\n")
