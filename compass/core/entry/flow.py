@@ -1,4 +1,4 @@
-"""From one time to another: Runge-Kutta steps that end at every bank switch, and their derivative.
+"""From one time to another: Runge-Kutta steps that end where the bank or the air's law switches.
 
 The steps are never longer than asked for, whatever the time between epochs, so that the epochs of
 a filter decide nothing about its dynamics.
@@ -12,11 +12,16 @@ from compass.core.entry.rates import (
     COLUMNS,
     OF_AIR,
     OF_LIFT,
+    TABLE,
+    WINDS,
     World,
     acceleration,
     acceleration_partials,
 )
 from compass.core.jit import fast_kernel, kernel
+
+#: The distance from the centre of an entry bends by less than twice this, m/s^2.
+MOST_BEND = 200.0
 
 
 @fast_kernel
@@ -87,6 +92,37 @@ def rk4_step_transition(x, world, cos_bank, sin_bank, dt, out, phi):
 
 
 @kernel
+def to_row(x, world, cos_bank, sin_bank, dt):
+    """Part of a step after which a table of densities or winds comes to its next row.
+
+    There the slopes jump, and a step across is off by a decimetre; one that ends there, to a
+    millisecond, is not. The distance from the centre is taken to bend evenly.
+    """
+    p, k = world.p, int(world.p[WINDS])
+    n = (p.size - TABLE - 3 * k) // 2
+    if n + k == 0:
+        return dt
+    r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    climb = (x[0] * x[3] + x[1] * x[4] + x[2] * x[5]) / r
+    way, nearest = 1.0 if climb * dt > 0.0 else -1.0, math.inf
+    for i in range(n + k):
+        off = way * (p[TABLE + i if i < n else TABLE + n + i] - r)
+        if 1.0 < off < nearest:  # nearer ones were just passed, or are as good as here
+            nearest = off
+    if nearest > abs(climb * dt) + MOST_BEND * dt * dt:
+        return dt
+    force = np.empty(3)
+    acceleration(x, world, cos_bank, sin_bank, force)
+    bend = (x[0] * force[0] + x[1] * force[1] + x[2] * force[2] - climb * climb) / r
+    bend += (x[3] * x[3] + x[4] * x[4] + x[5] * x[5]) / r
+    square = climb * climb + 2.0 * bend * way * nearest
+    if square <= 0.0:
+        return dt
+    part = 2.0 * way * nearest / (climb + math.copysign(math.sqrt(square), climb))
+    return part if 0.0 < part / dt < 1.0 else dt
+
+
+@kernel
 def bank_at(time, bank):
     """Row of `bank` (k, 2), times and angles, in force from `time` on."""
     row = 0
@@ -122,7 +158,11 @@ def advance(x, world, bank, start, stop, longest, out):
         steps = max(1, math.ceil(abs(end - time) / longest - 1e-9))
         cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
         for _ in range(steps):
-            rk4_step(out, world, cos_bank, sin_bank, (end - time) / steps, out)
+            left = (end - time) / steps
+            while left != 0.0:
+                dt = to_row(out, world, cos_bank, sin_bank, left)
+                rk4_step(out, world, cos_bank, sin_bank, dt, out)
+                left -= dt
         time = end
         row += 1 if start < stop else -1
 
@@ -143,19 +183,22 @@ def advance_transition(x, world, bank, start, stop, longest, out, phi):
         steps = max(1, math.ceil((end - time) / longest - 1e-9))
         cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
         for _ in range(steps):
-            dt = (end - time) / steps
-            if first:
-                rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, phi)
-                first = False
-                continue
-            rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, step)
-            before[:, :] = phi
-            for i in range(6):
-                for j in range(COLUMNS):
-                    total = step[i, j] if j >= OF_AIR else 0.0
-                    for c in range(6):
-                        total += step[i, c] * before[c, j]
-                    phi[i, j] = total
+            left = (end - time) / steps
+            while left != 0.0:
+                dt = to_row(out, world, cos_bank, sin_bank, left)
+                left -= dt
+                if first:
+                    rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, phi)
+                    first = False
+                    continue
+                rk4_step_transition(out, world, cos_bank, sin_bank, dt, out, step)
+                before[:, :] = phi
+                for i in range(6):
+                    for j in range(COLUMNS):
+                        total = step[i, j] if j >= OF_AIR else 0.0
+                        for c in range(6):
+                            total += step[i, c] * before[c, j]
+                        phi[i, j] = total
         time = end
         row += 1
 
