@@ -131,6 +131,8 @@ class Design:
         Of the file it was read from, for provenance; empty without one.
     label
         The file's name as given; of several designs that are one network the first's.
+    beacons
+        Places on the ground that transmit as satellites do, to sites over whose horizon they stand.
     others
         Names of the files of the others of that network.
     """
@@ -157,6 +159,7 @@ class Design:
     text: str = field(default="", compare=False)
     label: str = field(default="design", compare=False)
     others: tuple[str, ...] = field(default=(), compare=False)
+    beacons: tuple[Site, ...] = ()
 
     def __post_init__(self) -> None:
         """Take a name from the constellation if there is no other, and lists as tuples.

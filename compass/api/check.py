@@ -1,12 +1,13 @@
 """Every requirement of a design: met or missed, with the evidence, the margin and the worst."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from math import degrees, isinf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compass.api.given import in_metres, joined_designs
+from compass.api.given import in_metres, joined_designs, with_beacons
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
@@ -22,6 +23,7 @@ from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 from compass.requirement import Requirement
+from compass.sites import Site
 from compass.words import counted, latitude_words, longitude_words, ordinal
 
 if TYPE_CHECKING:
@@ -184,6 +186,7 @@ def _value(verdict: Answer) -> str:
 def check(
     design: Design | str | Path,
     *others: Design | str | Path,
+    beacons: Site | str | Sequence[Site | str] = (),
     days: float | None = None,
     start_day: float = 0.0,
     motion: MotionModel | None = None,
@@ -199,6 +202,10 @@ def check(
     design, *others
         A design, or the path of its file; with several their satellites together are asked for
         the requirements of all.
+    beacons
+        On the ground: sites, names of stations, or ``NAME=LAT,LON[,MASK]``. Sites over whose
+        horizon they stand count them with satellites, but not in metres; over regions and the whole
+        surface satellites count alone.
     days, start_day
         For so many days from a day after the epoch on, at the places themselves; without days for
         ever. Needed where the motion is integrated or a table.
@@ -225,7 +232,7 @@ def check(
     >>> found.holds, found.verdicts[0].evidence
     (True, 'proven')
     """
-    read = in_metres(joined_designs((design, *others)))
+    read = with_beacons(in_metres(joined_designs((design, *others))), beacons)
     effort = Effort(width, budget_s, None if leaves is None else Path(leaves), cores())
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))

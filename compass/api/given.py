@@ -130,6 +130,12 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
     )
 
 
+def with_beacons(design: Design, beacons: Site | str | Sequence[Site | str]) -> Design:
+    """Return a design with beacons on the ground: sites, as `given_places` reads them."""
+    lit, _ = given_places(beacons, (), design)
+    return replace(design, beacons=lit) if lit else design
+
+
 def given_scenario(scenario: "Scenario | str | Path", start_day: float | None = None) -> "Scenario":
     """Return the scenario, read from its file if it is a path, on a day if one is given.
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.cluster import check_cluster
-from compass.api.given import given_places, in_metres, joined_designs
+from compass.api.given import given_places, in_metres, joined_designs, with_beacons
 from compass.api.map_result import MapResult, with_intervals
 from compass.api.map_statistics import extremes_met, folds_met
 from compass.api.progress import bar, foretell, parts_bar
@@ -30,6 +30,7 @@ def map(
     *others: Design | str | Path,
     sites: Site | str | Sequence[Site | str] = (),
     regions: str | Sequence[str] = (),
+    beacons: Site | str | Sequence[Site | str] = (),
     step_deg: float = 1.0,
     grid: str = "equal-angle",
     epochs: int = 109,
@@ -72,6 +73,10 @@ def map(
         stations, or ``NAME=LAT,LON[,MASK]``; ``lat:MIN:MAX`` or ``polygon:LAT,LON;...``, degrees.
         Fold, availability, GDOP and, with a signal, errors there are proven or bracketed, not
         read off cells.
+    beacons
+        On the ground: sites, names of stations, or ``NAME=LAT,LON[,MASK]``. Sites over whose
+        horizon they stand count them with satellites, but not in metres; over regions and the whole
+        surface satellites count alone.
     step_deg, grid
         Size of the cells, degrees, and their kind: ``equal-angle`` or ``equal-area``.
     epochs
@@ -152,8 +157,12 @@ def map(
             "each_loss: protection after a loss needs what is promised, and the errors of ranges; "
             "add tables [signal] and [integrity]"
         )
+    if beacons and not sites:
+        raise ArgumentError(
+            "beacons: count at sites, and satellites alone elsewhere; give sites, or leave them out"
+        )
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
-    read = in_metres(given)
+    read = with_beacons(in_metres(given), beacons)
     places = given_places(sites, regions, read)
     if sites and altitude_km:
         raise ArgumentError(

@@ -20,7 +20,7 @@ COMMANDS = {
         """,
     ),
     "check": (
-        f"designs days start_day motion {BOUNDS}",
+        f"designs beacons days start_day motion {BOUNDS}",
         """Settle every [[requirement]] of DESIGNS: met or missed, proven or with a bracket.
 
         Several DESIGNS are one network: their satellites together, asked for the requirements of
@@ -116,7 +116,7 @@ COMMANDS = {
         """,
     ),
     "map": (
-        f"designs {AREAS} output picture name step_deg grid epochs altitude_km mask_deg "
+        f"designs {AREAS} beacons output picture name step_deg grid epochs altitude_km mask_deg "
         "beam_deg fold pdop_max motion start_day duration_h error_max_m weights each_loss "
         f"{BOUNDS} workers {CLUSTER} time_series",
         """Count and DOP maps of DESIGNS over the sphere and one repeat period.
@@ -139,7 +139,7 @@ COMMANDS = {
         """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks.""",
     ),
     "report": (
-        f"designs {AREAS} output step_deg epochs store",
+        f"designs {AREAS} beacons output step_deg epochs store",
         """Report on a design, a scenario, a study or a paper: one HTML page that needs no network.
 
         Several DESIGNS are one network of satellites: theirs together.

@@ -53,7 +53,8 @@ OPTIONS: dict[str, Told] = {
     "azimuths": whole("Steps all around.", 360),
     "beacons": several(
         "--beacon SITE",
-        "A beacon on the ground, counted as a satellite is: a station's name, or as a --station.",
+        "A beacon on the ground, counted at sites as a satellite is: the name of a [[station]], or "
+        "NAME=LAT,LON[,MASK], degrees; also many.",
     ),
     "beam_deg": real("Half angle of the satellites' antennas."),
     "beyond": whole("Sizes to try beyond the smallest that has the fold.", 0),

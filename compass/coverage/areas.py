@@ -7,8 +7,10 @@ least and the greatest of theirs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
+from compass.coverage.beacon_verdict import heard
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_ranges import skies_of
 from compass.coverage.fold_verdict import Course, course_of, users_of
@@ -19,7 +21,8 @@ from compass.coverage.verdict import Verdict
 from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.requirement import ERRORS, Requirement
-from compass.sites import Site
+from compass.sites import Mask, Site
+from compass.words import listed
 
 #: Of the time, or of area and time, in per cent: what values are given for.
 PERCENTS = (50, 95)
@@ -103,6 +106,20 @@ class Area:
         level = self.wanted.mask is None or self.wanted.mask >= 0.0
         return ERRORS[:3] if self.design.signal is not None and level else ()
 
+    @cached_property
+    def hears(self) -> tuple[str, ...]:
+        """Beacons over the horizon, if it is a site."""
+        mask, beacons = self.design.mask, self.design.beacons
+        if self.wanted.mask is not None:
+            mask = Mask.constant(self.wanted.mask)
+        return tuple(b.name for site in self.wanted.sites for b in heard(site, mask, beacons))
+
+    @property
+    def scope(self) -> str:
+        """For which motion and how long, and which beacons it counts."""
+        beacons = f"; with {listed(list(self.hears))} over its horizon" if self.hears else ""
+        return self.course.words + beacons
+
     def over_horizons(self) -> tuple[Users, ...]:
         """Its users over horizons that stand for beams, where some do."""
         c, motion = self.design.constellation, self.design.motion
@@ -117,8 +134,12 @@ class Area:
         return verdict_of(self.design, self.wanted, days=stop - start, start_day=start)
 
     def share(self, name: str, limit: float) -> Bounds:
-        """Share with a dilution or an error of at most a limit, wherever the Sun stands."""
-        return _hull([self._share(users, name, limit) for users in self.users])
+        """Share with a dilution or an error of at most a limit, wherever the Sun stands.
+
+        Beacons over a site's horizon may make a dilution less and its share more.
+        """
+        low, high = _hull([self._share(users, name, limit) for users in self.users])
+        return low, 1.0 if name not in ERRORS and self.hears else high
 
     def _share(self, users: Users, name: str, limit: float) -> Bounds:
         skies: list[Any] = [None]
@@ -149,7 +170,8 @@ class Area:
             )
             for users in self.users
         ]
-        return {q: _hull([(of[q].low, of[q].high) for of in found]) for q in percents}
+        hulls = {q: _hull([(of[q].low, of[q].high) for of in found]) for q in percents}
+        return {q: (0.0 if self.hears else low, high) for q, (low, high) in hulls.items()}
 
     def _asked(self, users: Users) -> dict[str, Any]:
         return asked_place(users, self.course, self.design.constellation) | {
@@ -229,7 +251,7 @@ def area_figures(
     return tuple(
         AreaFigures(
             area.name,
-            area.course.words,
+            area.scope,
             area.fold(),
             pdop_max,
             area.share("pdop", pdop_max),

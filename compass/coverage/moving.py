@@ -172,14 +172,25 @@ def ranges_at(
 
 
 def seen_along(
-    design: Design, mover: Mover, times: Array, motion: Motion, beam: float | None = None
+    design: Design,
+    mover: Mover,
+    times: Array,
+    motion: Motion,
+    beam: float | None = None,
+    beacons: Sequence[Site] = (),
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
-    """Where satellites are at every epoch and who is in view, first three of `Sights`."""
+    """Where satellites are at every epoch and who is in view, first three of `Sights`.
+
+    And after them beacons on the ground, which reach all around, but not who stands at one.
+    """
     c, radius = design.constellation, design.figure.equatorial_radius
     angle = prime_meridian_angle(c.epoch, times)
     r = np.moveaxis(mcmf_from_mci(motion.states(c, times)[0], angle), 0, 1)
+    ground = np.reshape([beacon.r_mcmf for beacon in beacons], (-1, 3))
+    r = np.concatenate([r, np.broadcast_to(ground, (len(r), *ground.shape))], axis=1)
     line = r - mover.r[:, None]
-    u = line / np.linalg.norm(line, axis=2)[..., None]
+    distance = np.linalg.norm(line, axis=2)
+    u = line / np.maximum(distance, 1e-9)[..., None]
     if mover.mask is None:
         closest = np.einsum("tni,ti->tn", u, mover.r)
         miss2 = np.einsum("ti,ti->t", mover.r, mover.r)[:, None] - closest**2
@@ -188,9 +199,11 @@ def seen_along(
         east, north, up = np.moveaxis(np.einsum("tij,tnj->tni", mover.axes, u), 2, 0)
         azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
         seen = np.arcsin(np.clip(up, -1.0, 1.0)) >= mover.mask.at(azimuth)
+    seen[:, c.size :] &= distance[:, c.size :] > 1.0
     around = seen.sum(axis=1)
     if beam is not None:
-        seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
+        within = np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
+        seen[:, : c.size] &= within[:, : c.size]
     return np.ascontiguousarray(r / radius), seen, around
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from compass.allowed import check_all_allowed
+from compass.coverage.beacon_verdict import sampled_at_sites, with_beacons
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import course_of, fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
@@ -53,6 +54,15 @@ def verdict_of(
         mask below the limb, too many sets of lost satellites.
     """
     _check_days(design, days, start_day)
+    if design.beacons:
+        asked: dict[str, Any] = {"days": days, "start_day": start_day}
+        bare, rest = replace(design, beacons=()), {"effort": effort, "thorough": thorough}
+        return with_beacons(
+            design,
+            requirement,
+            lambda part: verdict_of(bare, part, **asked, **rest),
+            lambda part: sampled_at_sites(design, part, **asked),
+        )
     course = course_of(design, None, 0.0) if days is None else None
     if days is not None or (course is not None and one_period(design.constellation)):
         return _of_all(design, requirement, days, start_day, effort, thorough)

@@ -213,7 +213,7 @@ def _sights(
     """Who is in view, with ranges that are alike for dilutions."""
     if name not in DILUTIONS:
         return sights_along(design, mover, times, beam=beam)
-    seen = seen_along(design, mover, times, design.motion, beam)
+    seen = seen_along(design, mover, times, design.motion, beam, design.beacons)
     return Sights(*seen, metre_ranges(*seen[1].shape))
 
 

@@ -1,6 +1,8 @@
 """What came of a requirement: met, missed or open, with the evidence, the margin and the worst."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any, Literal
 
 import numpy as np
@@ -152,6 +154,22 @@ def sure(evidence: str) -> str:
 def undecided(requirement: Requirement, scope: str, reason: str) -> Verdict:
     """Return the verdict that nothing can be said, and why."""
     return Verdict(requirement, None, "none", scope, reason=reason)
+
+
+def gathered(requirement: Requirement, parts: Sequence[Verdict]) -> Verdict:
+    """Verdict on a requirement of which parts ask at some of its places each: the worst of theirs.
+
+    Of no parts it is met: nothing is left to ask for.
+    """
+    if not parts:
+        return Verdict(requirement, True, "proven", "always", (1.0, 1.0))
+    order = {False: 0, None: 1, True: 2}
+    worst = min(parts, key=lambda v: (order[v.met], inf if v.margin is None else v.margin))
+    shares = [part.share for part in parts]
+    share = None
+    if all(shares):
+        share = tuple(min(one[k] for one in shares if one) for k in (0, 1))
+    return replace(worst, requirement=requirement, share=share)
 
 
 def both(first: Verdict, second: Verdict) -> Verdict:

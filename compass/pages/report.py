@@ -6,7 +6,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_places, given_scenario, given_study, in_metres, joined_designs
+from compass.api.given import (
+    given_places,
+    given_scenario,
+    given_study,
+    in_metres,
+    joined_designs,
+    with_beacons,
+)
 from compass.api.judge import JudgeResult
 from compass.api.land import LandResult, land
 from compass.api.progress import bar
@@ -65,6 +72,7 @@ def report(
     *others: Design | str | Path,
     sites: Site | str | Sequence[Site | str] = (),
     regions: str | Sequence[str] = (),
+    beacons: Site | str | Sequence[Site | str] = (),
     output: str | Path | None = None,
     step_deg: float | None = None,
     epochs: int | None = None,
@@ -88,6 +96,8 @@ def report(
     sites, regions
         Where figures of a design are wanted besides those of the whole surface, as of
         `compass.map`.
+    beacons
+        Of a design, on the ground, as of `compass.check`.
     output
         Folder for the page and its pictures; by default ``reports/`` and the name of the file.
     step_deg, epochs
@@ -135,10 +145,9 @@ def report(
             f"{others[0]}: {name} is not a design, with which others are one network; leave it out"
         )
     finer = {"step_deg": step_deg, "epochs": epochs}
-    if kind != "design" and (sites or regions):
-        raise ArgumentError(
-            f"{'sites' if sites else 'regions'}: {name} is not a design; leave it out"
-        )
+    placed = {"sites": sites, "regions": regions, "beacons": beacons}
+    if kind != "design" and (asked := [key for key, value in placed.items() if value]):
+        raise ArgumentError(f"{asked[0]}: {name} is not a design; leave it out")
     options: dict[str, Any] = {key: value for key, value in finer.items() if value is not None}
     if options and kind != "design":
         raise ArgumentError(
@@ -160,7 +169,7 @@ def report(
     elif kind == "ranking":
         title, (page, several) = name, judge_report(read, command)
     else:
-        chosen = in_metres(joined_designs((read, *others)))
+        chosen = with_beacons(in_metres(joined_designs((read, *others))), beacons)
         places = given_places(sites, regions, chosen)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
             title = chosen.name
