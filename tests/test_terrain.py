@@ -37,13 +37,32 @@ def site_on(terrain, latitude=18.43, longitude=77.52, above=2.0):
     return on_ground(place, terrain, above)
 
 
+def geodetic(figure, latitude, longitude, height):
+    """Places by the radius of curvature in the prime vertical, and east, north and up there.
+
+    Of numbers alone: nothing of the package's own frames and sites is asked.
+    """
+    a, b = figure.equatorial_radius, figure.polar_radius
+    phi, e2 = np.arctan2(a * a * np.sin(latitude), b * b * np.cos(latitude)), 1.0 - (b / a) ** 2
+    across = a / np.sqrt(1.0 - e2 * np.sin(phi) ** 2)
+    out, high = (across + height) * np.cos(phi), (across * (1.0 - e2) + height) * np.sin(phi)
+    r = np.stack([out * np.cos(longitude), out * np.sin(longitude), high], axis=-1)
+    s, c, sl, cl = np.sin(phi), np.cos(phi), np.sin(longitude), np.cos(longitude)
+    return r, np.array([[-sl, cl, 0.0 * sl], [-s * cl, -s * sl, c], [c * cl, c * sl, s]], object)
+
+
 def hits(site, terrain, azimuth, elevation):
-    """Whether rays of light (n,) from the eye meet any triangle (Moeller and Trumbore 1997)."""
-    r = terrain.r_mcmf(slice(None)) - site.r_mcmf
+    """Whether rays of light (n,) from the eye meet any triangle (Moeller and Trumbore 1997).
+
+    Every ray against every triangle, places and axes worked out here.
+    """
+    eye, axes = geodetic(site.figure, site.latitude, site.longitude, site.height)
+    nodes, _ = geodetic(terrain.figure, terrain.latitude, terrain.longitude, terrain.height)
+    r = nodes - eye
     a, c = r[:-1, :-1].reshape(-1, 3), r[1:, 1:].reshape(-1, 3)
     met = np.zeros(len(azimuth), dtype=bool)
     flat = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=-1) * np.cos(elevation)[:, None]
-    rays = np.column_stack([flat, np.sin(elevation)]) @ site.enu_mcmf
+    rays = np.column_stack([flat, np.sin(elevation)]) @ axes.astype(float)
     for b in (r[:-1, 1:].reshape(-1, 3), r[1:, :-1].reshape(-1, 3)):
         one, two = b - a, c - a
         p = np.cross(rays[:, None], two)
