@@ -11,6 +11,8 @@ from compass.design import Design
 from compass.errors import ArgumentError, meant, said_of, whole_number
 from compass.inputs import read_design
 from compass.orbits.constellation import Constellation
+from compass.ranging import Signal
+from compass.requirement import Requirement
 from compass.sites import Mask, Site
 
 if TYPE_CHECKING:
@@ -71,8 +73,10 @@ def _written(design: Design) -> Design:
 def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
     """Return one design of the satellites, stations and requirements of all; else as the first.
 
-    Where two designs name satellites alike, every name gets that of its design before it. Errors of
-    ranges, and what is promised of them, are those of all if all say the same, else of none.
+    Where two designs name satellites, or requirements, alike, every name gets that of its design
+    before it. A requirement without a mask keeps that of its own design. Covariances are each
+    satellite's own; all else of ranges, tracking and what is promised are those of all if all say
+    the same, else of none.
 
     Raises
     ------
@@ -114,19 +118,74 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
         for site in each.stations:
             if stations[site.name] != site:
                 raise ArgumentError(f"station {site.name}: two of that name differ; rename one")
-    same = all((one.signal, one.integrity) == (first.signal, first.integrity) for one in read)
+    tracked = all(one.tracking == first.tracking for one in read)
+    signal = _joined_signal(read)
+    if signal is not None and signal.determined and not (tracked or signal.covariance):
+        signal = None
+    promised = signal is not None and all(one.integrity == first.integrity for one in read)
     return _written(
         replace(
             first,
             constellation=constellation,
             name=" + ".join(each.name for each in read),
             stations=tuple(stations.values()),
-            requirements=tuple(wanted for each in read for wanted in each.requirements),
-            signal=first.signal if same else None,
-            integrity=first.integrity if same else None,
+            requirements=_joined_requirements(read),
+            signal=signal,
+            tracking=first.tracking if tracked else None,
+            integrity=first.integrity if promised else None,
             text="",
             others=tuple(label for each in read for label in (each.label, *each.others))[1:],
         )
+    )
+
+
+def _joined_signal(read: Sequence[Design]) -> Signal | None:
+    """Errors of ranges that all designs say, each satellite with its own covariance; else None."""
+    signals = [each.signal for each in read if each.signal is not None]
+    first = signals[0] if signals else None
+    if first is None or len(signals) < len(read):
+        return None
+    if any(replace(one, covariance=()) != replace(first, covariance=()) for one in signals):
+        return None
+    if all(one.covariance == first.covariance for one in signals) and len(first.covariance) < 2:
+        return first
+    if not all(one.covariance for one in signals):
+        return None
+    matrices = [
+        matrix
+        for one, each in zip(signals, read, strict=True)
+        for matrix in (
+            one.covariance * each.constellation.size if len(one.covariance) == 1 else one.covariance
+        )
+    ]
+    return replace(first, covariance=tuple(matrices))
+
+
+def _joined_requirements(read: Sequence[Design]) -> tuple[Requirement, ...]:
+    """Requirements of all designs, each over the mask of its own.
+
+    Raises
+    ------
+    ArgumentError
+        A horizon by azimuth in [coverage], and other designs have another.
+    """
+    alike = all(each.mask == read[0].mask for each in read)
+    wanted = []
+    for each in read:
+        for one in each.requirements:
+            masked = one
+            if not alike and one.mask is None:
+                if not each.mask.is_constant:
+                    raise ArgumentError(
+                        f"{each.name}: {one.name} is over its horizon_deg, and other designs have "
+                        "another mask; give that requirement a mask_deg"
+                    )
+                masked = replace(one, mask=each.mask.lowest)
+            wanted.append((each.name, masked))
+    names = [one.name for _, one in wanted]
+    return tuple(
+        replace(one, name=f"{name}: {one.name}") if names.count(one.name) > 1 else one
+        for name, one in wanted
     )
 
 

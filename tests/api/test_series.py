@@ -9,6 +9,8 @@ import compass
 from compass.api.given import joined_designs
 from compass.errors import ArgumentError, OutputError
 from compass.orbits import positions_mcmf
+from compass.ranging import Signal
+from compass.tracking import Tracker, Tracking
 
 RING = compass.walker_delta(3, 3, 0, inclination_deg=30, radius_km=9000)
 OTHER = compass.walker_delta(2, 1, 0, inclination_deg=0, radius_km=12000)
@@ -84,6 +86,32 @@ def test_beacons_on_the_ground_count_with_satellites():
     assert lit.gaps["far"] == bare.gaps["far"] and lit.gaps["mast"] == bare.gaps["mast"]
     with pytest.raises(ArgumentError, match="site 'none': no"):
         compass.series(compass.Design(RING, "ring"), beacons=["none"], **asked)
+
+
+def test_designs_that_join_keep_of_each_what_is_its_own():
+    """Masks and names of requirements, covariances of satellites; tracking if all say the same."""
+    wanted = compass.Requirement("same", fold=1)
+    one = compass.Design(RING, "one", mask=compass.Mask.of(5), requirements=(wanted,))
+    two = compass.Design(OTHER, "two", mask=compass.Mask.of(12), requirements=(wanted,))
+    joined = joined_designs((one, two))
+    assert [each.name for each in joined.requirements] == ["one: same", "two: same"]
+    masks = [np.degrees(each.mask) for each in joined.requirements]
+    assert masks == pytest.approx([5, 12])
+    high = replace(two, mask=compass.Mask.of([(0, 5), (90, 9)]))
+    with pytest.raises(ArgumentError, match="two: same is over its horizon_deg, and other"):
+        joined_designs((one, high))
+    near, far = (tuple(tuple(k * row) for row in np.eye(4)) for k in (1.0, 9.0))
+    heard = replace(one, signal=Signal(covariance=(near,)))
+    faint = replace(two, signal=Signal(covariance=(far,) * OTHER.size))
+    signal = joined_designs((heard, faint)).signal
+    assert signal.covariance == (near,) * RING.size + (far,) * OTHER.size
+    assert joined_designs((heard, replace(two, signal=heard.signal))).signal == heard.signal
+    assert joined_designs((heard, two)).signal is None
+    assert joined_designs((heard, replace(two, signal=Signal(update=60.0)))).signal is None
+    tracking = Tracking(crosslinks=Tracker(range=2.0))
+    tracked = replace(one, tracking=tracking)
+    assert joined_designs((tracked, two)).tracking is None
+    assert joined_designs((tracked, replace(two, tracking=tracking))).tracking == tracking
 
 
 def test_what_cannot_be_joined_or_asked_is_told():

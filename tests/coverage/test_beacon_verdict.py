@@ -63,6 +63,8 @@ def test_beacons_alone_may_suffice_and_are_never_lost():
     found = verdict(one)
     assert (found.met, found.evidence, found.share) == (True, "proven", (1.0, 1.0))
     assert verdict(one, beacons=()).met is False
+    lit = design(one, beacons=(NORTH, WEST))  # as pages ask, with the beacons in the design
+    assert compass.check(lit).verdicts == (found,)
 
 
 def test_what_satellites_keep_alone_is_proven_and_what_they_do_not_is_sampled():

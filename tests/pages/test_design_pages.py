@@ -1,3 +1,4 @@
+import html
 import re
 from html.parser import HTMLParser
 
@@ -173,6 +174,24 @@ def test_report_command_writes_the_page_and_the_pictures(run, designs, tmp_path,
     )
     code, out, _ = run(*arguments, "--epochs", 3)
     assert out == f"report: {folder / 'index.html'}\n"
+
+
+def test_report_of_designs_joined_is_a_page_of_one_network(run, designs, tmp_path, brief):
+    """All satellites count, and both files are named in its commands."""
+    other = tmp_path / "other.toml"
+    other.write_text(
+        'name = "other"\n[constellation]\npattern = "elements"\n[[constellation.satellite]]\n'
+        'name = "low"\nsemi_major_axis_km = 3900\ninclination_deg = 80\n[coverage]\nfold = 1\n'
+        '[[station]]\nname = "Mast"\nlatitude_deg = 0.2\nlongitude_deg = 0\n'
+    )
+    first, folder = designs / "draim-four.toml", tmp_path / "out"
+    options = ["-o", folder, "--step-deg", 30, "--epochs", 3]
+    code, _, err = run("report", first, other, *options)
+    assert code == 0, err
+    text = (folder / "index.html").read_text()
+    title = f"{compass.read_design(first).name} + other"
+    assert f"<h1>{title}" in html.unescape(text) and "5 satellites" in text
+    assert "low" in text and "other.toml" in text
 
 
 @pytest.mark.slow
