@@ -56,7 +56,8 @@ def verdict_of(
     _check_days(design, days, start_day)
     if design.beacons:
         asked: dict[str, Any] = {"days": days, "start_day": start_day}
-        bare, rest = replace(design, beacons=()), {"effort": effort, "thorough": thorough}
+        rest: dict[str, Any] = {"effort": effort, "thorough": thorough}
+        bare = replace(design, beacons=())
         return with_beacons(
             design,
             requirement,

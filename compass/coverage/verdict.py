@@ -165,10 +165,10 @@ def gathered(requirement: Requirement, parts: Sequence[Verdict]) -> Verdict:
         return Verdict(requirement, True, "proven", "always", (1.0, 1.0))
     order = {False: 0, None: 1, True: 2}
     worst = min(parts, key=lambda v: (order[v.met], inf if v.margin is None else v.margin))
-    shares = [part.share for part in parts]
+    known = [part.share for part in parts if part.share is not None]
     share = None
-    if all(shares):
-        share = tuple(min(one[k] for one in shares if one) for k in (0, 1))
+    if len(known) == len(parts):
+        share = min(low for low, _ in known), min(high for _, high in known)
     return replace(worst, requirement=requirement, share=share)
 
 
