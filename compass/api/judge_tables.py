@@ -82,11 +82,15 @@ def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
 
 def budget_table(rows: Sequence[dict[str, Any]]) -> Table:
     """What the position error of every design comes from, m."""
-    names = list(rows[0]["budget_m"])
+    names = max((list(row["budget_m"]) for row in rows), key=len)
+
+    def part(row: dict[str, Any], name: str) -> float:
+        return _digits(row["budget_m"].get(name, 0.0))
+
     return Table(
         "Where the position error comes from, root mean square, m",
         ("design", *names),
-        tuple((row["design"], *(_digits(row["budget_m"][name]) for name in names)) for row in rows),
+        tuple((row["design"], *(part(row, name) for name in names)) for row in rows),
     )
 
 

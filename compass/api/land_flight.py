@@ -1,5 +1,7 @@
 """Fly a scenario, assess its navigation, and draw the section that says what came of it."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from compass.document.blocks import Picture, Section, arranged
 from compass.entry.assess import Assessment, assess
 from compass.entry.carried import CarriedFilter
 from compass.entry.dispersed import Dispersed, fly_dispersed
+from compass.entry.layout import Part
 from compass.entry.trajectory import fly
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
@@ -29,6 +32,7 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     """
     many = scenario.runs if runs is None else runs
     check_cost(scenario, many)
+    errors = satellite_errors(scenario)
     planned = scenario.planned()
     flight = fly(planned.truth, scenario.state, scenario.times, triggers=scenario.triggers)
     if flight.times.size < 2:
@@ -38,19 +42,23 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
         flight,
         scenario.beacons(flight.times),
         scenario.measurements,
-        scenario.settings,
+        replace(scenario.settings, parts=_off_their_time(scenario)),
         deployment=scenario.deployment,
-        satellites=satellite_errors(scenario),
+        satellites=None if errors is None else errors[0],
+        turns=None if errors is None else errors[1],
         runs=many,
         seed=scenario.seed,
     )
 
 
-def satellite_errors(scenario: Scenario) -> NDArray[np.float64] | None:
+def satellite_errors(
+    scenario: Scenario,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Covariance of each beacon's radial, along, cross and clock error, m^2, (n, 4, 4).
 
-    As the [signal] of the beacons' design says, by its age of data; zeros of beacons of the
-    scenario's own, and None where no design has that table.
+    As the [signal] of the beacons' design says, by its age of data; and one sigma of the turn about
+    each axis of the frame that its satellites share, rad, (n,). Zeros of beacons of the scenario's
+    own, and None where no design has that table.
 
     Raises
     ------
@@ -60,15 +68,34 @@ def satellite_errors(scenario: Scenario) -> NDArray[np.float64] | None:
     designs = [orbiters.design for orbiters in scenario.orbiters]
     if not any(design is not None and design.signal is not None for design in designs):
         return None
-    covariances = [np.zeros((len(scenario.surface_names), 4, 4))]
+    count = len(scenario.surface_names)
+    covariances, turns = [np.zeros((count, 4, 4))], [np.zeros(count)]
     for orbiters, design in zip(scenario.orbiters, designs, strict=True):
-        errors = np.zeros((orbiters.constellation.size, 4, 4))
+        count = orbiters.constellation.size
+        errors, turn = np.zeros((count, 4, 4)), 0.0
         if design is not None and design.signal is not None:
             signal = in_metres(design).signal
             assert signal is not None
-            errors = mean_age_covariance(signal, orbiters.constellation.size)
+            errors, turn = mean_age_covariance(signal, count), signal.common_orientation
         covariances.append(errors)
-    return np.concatenate(covariances)
+        turns.append(np.full(count, turn))
+    return np.concatenate(covariances), np.concatenate(turns)
+
+
+def _off_their_time(scenario: Scenario) -> tuple[Part, ...]:
+    """The filter's blocks with a clock that is off by what the satellites' time is, too.
+
+    A lander without a clock of its own keeps their time, and where it is makes no difference.
+    """
+    signals = [one.design.signal for one in scenario.orbiters if one.design is not None]
+    off = max((signal.common_time for signal in signals if signal is not None), default=0.0)
+
+    def widened(part: Part) -> Part:
+        if part.name != "clock":
+            return part
+        return replace(part, sigma=(float(np.hypot(part.sigma[0], off)), part.sigma[1]))
+
+    return tuple(widened(part) for part in scenario.settings.parts)
 
 
 def disperse_scenario(scenario: Scenario, assessment: Assessment) -> Dispersed | None:

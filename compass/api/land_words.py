@@ -8,7 +8,8 @@ from compass.entry.accuracy import Accuracy
 from compass.entry.assess import Assessment
 from compass.entry.dispersed import Dispersed
 from compass.inputs.scenario import Scenario
-from compass.signal.budget import basis, shared_left_out
+from compass.ranging import MAS
+from compass.signal.budget import basis
 from compass.units import KM
 
 #: Degrees that lines to satellites may turn from mid-flight on before it is said: an error along
@@ -77,11 +78,12 @@ def satellite_words(scenario: Scenario, assessment: Assessment) -> list[str]:
                 "table [signal] to count what is not known of them."
             )
         else:
-            left_out = shared_left_out(design.signal, design.figure.equatorial_radius)
+            turn = design.signal.common_orientation
+            mas = significant(turn / MAS, 3)
             words.append(
                 f"Considered of {design.name}: {basis(design)}; as errors of the range to each "
                 f"satellite that stay as they are in mid-flight{_turning(assessment)}"
-                + (f"; {left_out}." if left_out else ".")
+                + (f"; and a turn of their frame by {mas} mas about each axis." if turn else ".")
             )
     if not assessment.known_exactly and scenario.fusion is not None:
         words.append("Filters of [fusion] take orbits and clocks of satellites as known exactly.")

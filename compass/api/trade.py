@@ -25,7 +25,6 @@ from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, STAGES, merits_of
 from compass.saving import check_writable
-from compass.signal.budget import shared_left_out
 from compass.study.area_figures import BETWEEN, area_columns, shown_areas
 from compass.study.bounds import bracketed_figures, limited_figures
 from compass.study.candidates import check_space
@@ -136,10 +135,7 @@ class TradeResult(Result):
         blocks: list[Block] = [Verdict("", claim, self.holds)]
         blocks += [Sentence(words) for words in self.notes()]
         if self.study.entry is not None:
-            own = {}
-            if (signal := self.study.signal) is not None:
-                radius = self.study.figure.equatorial_radius
-                own["every candidate"] = shared_left_out(signal, radius)
+            own = ["every candidate"] if self.study.signal is not None else []
             doubts = doubts_of(self.study.entry.scenario, self.study.entry.doubts)
             blocks.append(Sentence(doubts.sentence(own)))
         if front:

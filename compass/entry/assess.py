@@ -111,6 +111,7 @@ def assess(
     *,
     deployment: Trigger | None = None,
     satellites: NDArray[np.float64] | None = None,
+    turns: NDArray[np.float64] | None = None,
     runs: int = 500,
     seed: int = 0,
 ) -> Assessment:
@@ -131,6 +132,9 @@ def assess(
     satellites
         Covariance of each beacon's radial, along, cross and clock error, m^2, (n, 4, 4), which
         the filter considers; known exactly if left out.
+    turns
+        One sigma of the turn about each axis of each beacon's frame, rad, (n,), which those share
+        that are not 0; none if left out.
 
     Raises
     ------
@@ -150,7 +154,13 @@ def assess(
     worst = int(np.lexsort((degree, visible.rank))[0])
     one_way = measurements.range_sigma is not None
     biased = with_satellites(
-        settings, satellites, beacons, flight.path, flight.model.omega, one_way=one_way
+        settings,
+        satellites,
+        beacons,
+        flight.path,
+        flight.model.omega,
+        one_way=one_way,
+        turns=turns,
     )
     settings = biased.settings
     layout = settings.layout(beacons.size)

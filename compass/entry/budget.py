@@ -29,6 +29,7 @@ _SOURCES = {
     "imu": "accelerometers",
     "attitude": "axes of the instruments",
     "gyro": "gyros",
+    "frame": "satellites' frame",
 }
 FIRST, SHAKEN = "first state", "process noise"
 RADIO = ("noise of the ranges", "noise of the range rates")
@@ -79,12 +80,14 @@ def with_satellites(
     omega: float,
     *,
     one_way: bool = True,
+    turns: Array | None = None,
 ) -> Biased:
     """Return a filter that considers what satellites' orbits and clocks do to its ranges.
 
     Errors of broadcast data are constant over an entry, and so a bias of the ranges to each
     satellite, the size of its error along the line of sight. Where the filter has biases of its
-    own they grow by as much, and stay as they are: estimated or considered (Schmidt).
+    own they grow by as much, and stay as they are: estimated or considered (Schmidt). A turn of
+    the frame in which places of satellites are told moves them all alike, and the lander with them.
 
     Parameters
     ----------
@@ -95,7 +98,14 @@ def with_satellites(
         where all are known exactly.
     beacons, path, omega, one_way
         As in `compass.entry.unknowns.range_variances`.
+    turns
+        One sigma of the turn about each axis of the frame of each beacon, rad, (n,), which those
+        share that are not 0; None where nothing is turned.
     """
+    if turns is not None and turns.any():
+        sigma, told = (float(turns.max()),) * 3, tuple((turns > 0.0).tolist())
+        frame = Part("frame", sigma, considered=settings.method != "information", told=told)
+        settings = replace(settings, parts=(*settings.parts, frame))
     own = next((part for part in settings.parts if part.name == "bias"), None)
     given = np.zeros((beacons.size, 4, 4)) if satellites is None else satellites
     single = 0.0 if own is None else own.sigma[0]

@@ -1,5 +1,6 @@
 """What judged landers do not know of clocks and orbits: usual sigmas, or a design's own."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,16 +41,17 @@ class Doubts:
 
     def of(self, signal: Signal | None, satellites: int) -> Unknowns:
         """What is not known with so many satellites: of them what their [signal] says, if any."""
-        given = np.diag(np.square([*self.orbit_m, self.satellite_clock_m]))
-        if signal is not None:
-            given = mean_age_covariance(signal, satellites)
-        return Unknowns((self.clock_m, self.clock_drift_m_s), given, self.range_bias_m)
+        clock, drift, bias = self.clock_m, self.clock_drift_m_s, self.range_bias_m
+        if signal is None:
+            given = np.diag(np.square([*self.orbit_m, self.satellite_clock_m]))
+            return Unknowns((clock, drift), given, bias)
+        if clock:  # one that agrees with the satellites' shares what their time is off by
+            clock = float(np.hypot(clock, signal.common_time))
+        given = mean_age_covariance(signal, satellites)
+        return Unknowns((clock, drift), given, bias, signal.common_orientation)
 
-    def sentence(self, own: dict[str, str]) -> str:
-        """Say what is counted; `own`: designs whose satellites have their own errors.
-
-        With what is left out of each, as of `compass.signal.budget.shared_left_out`.
-        """
+    def sentence(self, own: Sequence[str]) -> str:
+        """Say what is counted; `own`: designs whose satellites have their own errors."""
         clock = (
             f"the receiver's clock, known to {self.clock_m:g} m and {self.clock_drift_m_s:g} m/s "
             "at first and estimated"
@@ -63,9 +65,11 @@ class Doubts:
             f"the ranges to each of {self.range_bias_m:g} m, considered"
         )
         if own:
-            said += f"; orbits and clocks of {', '.join(own)} by its own table [signal]"
-        left_out = [f"of {name} {words}" for name, words in own.items() if words]
-        return "; ".join([said, *left_out]) + "."
+            said += (
+                f"; orbits, clocks and what they have wrong alike of {', '.join(own)} by its own "
+                "table [signal]"
+            )
+        return said + "."
 
 
 #: Satellites known exactly, and clocks that agree.

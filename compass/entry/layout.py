@@ -30,6 +30,7 @@ BLOCKS = (
     Block("imu", 3, ("m/s^2", "m/s^2", "m/s^2"), "biases of the accelerometers"),
     Block("attitude", 3, ("rad", "rad", "rad"), "small turn of the axes in which the lander looks"),
     Block("gyro", 3, ("rad/s", "rad/s", "rad/s"), "drift of these axes, which gyros hold"),
+    Block("frame", 3, ("rad", "rad", "rad"), "small turn of the frame that satellites share"),
 )
 
 #: In every state, at its head.
@@ -72,6 +73,8 @@ class Part:
         same everywhere.
     walk
         Of gyros: what the axes that they hold wander beside their drift, rad/s^(1/2).
+    told
+        Of a frame: whether each beacon's place is told in it.
     """
 
     name: str
@@ -80,6 +83,7 @@ class Part:
     scales: tuple[float, ...] = ()
     profile: tuple[tuple[float, float], ...] = ()
     walk: float = 0.0
+    told: tuple[bool, ...] = ()
 
     def __post_init__(self) -> None:
         units = block(self.name).units
@@ -145,6 +149,8 @@ class Layout:
                 raise ArgumentError(
                     f"{part.name}: {len(part.sigma)} sigmas for {self.count(part)} states"
                 )
+            if part.name == "frame" and len(part.told) != self.beacons:
+                raise ArgumentError(f"frame: told of {len(part.told)} of {self.beacons} beacons")
 
     @cached_property
     def order(self) -> tuple[Part, ...]:
@@ -182,8 +188,11 @@ class Layout:
 
     def numbers(self) -> NDArray[np.int64]:
         """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
-        names = ("air", "lift", "clock", "bias", "imu", "attitude", "gyro")
-        return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
+        names = ("air", "lift", "clock", "bias", "imu", "attitude", "gyro", "frame")
+        told = [one for part in self.parts for one in part.told]
+        return np.array(
+            [self.estimated, *(self.place(name) for name in names), *told], dtype=np.int64
+        )
 
     def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
         """Covariance of the whole state from that of position and velocity, (6, 6)."""

@@ -29,17 +29,21 @@ class Unknowns:
         or (n, 4, 4); independent from one satellite to the next.
     range_bias
         One sigma of a bias of the ranges to each satellite, m.
+    turn
+        One sigma of the turn about each axis of the frame that all satellites share, rad.
     """
 
     clock: tuple[float, float] = (0.0, 0.0)
     satellites: Array = field(default_factory=lambda: np.zeros((4, 4)))
     range_bias: float = 0.0
+    turn: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in (
             ("clock_m", self.clock[0]),
             ("clock_drift_m_s", self.clock[1]),
             ("range_bias_m", self.range_bias),
+            ("common_m.orientation", self.turn),
         ):
             if not 0 <= value < float("inf"):
                 raise ArgumentError(f"{name} = {value:g}: must be 0 or more, and finite")
@@ -91,6 +95,9 @@ class Unknowns:
         sigmas = self.range_sigmas(beacons, path, omega, one_way=one_way)
         if beacons.size and sigmas.min() > 0:
             parts.append(Part("bias", tuple(sigmas.tolist()), considered=True))
+        if beacons.size and self.turn:
+            told = (True,) * beacons.size
+            parts.append(Part("frame", (self.turn,) * 3, considered=True, told=told))
         return tuple(parts)
 
 

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.design import Design
-from compass.document.numbers import significant
 from compass.errors import ArgumentError
 from compass.links import Radio
 from compass.ranging import Signal
@@ -78,21 +77,6 @@ def basis(design: Design) -> str:
     given = signal.of_satellites(design.constellation.size).mean(axis=0).diagonal() ** 0.5
     told = ", ".join(f"{sigma:.3g}" for sigma in given)
     return f"{clocks}{ages}, {told} m (radial, along, cross, clock) at upload"
-
-
-def shared_left_out(signal: Signal, radius: float) -> str:
-    """What is not counted of an accuracy that takes each satellite's own errors alone; "" if none.
-
-    Errors that all satellites share: a turn of their frame, which moves everybody on the ground of
-    a body of that radius, m. Their common time is part of a user's own clock.
-    """
-    if not signal.common_orientation:
-        return ""
-    moved = significant(np.sqrt(2.0) * radius * signal.common_orientation, 3)
-    return (
-        "left out: what all satellites have wrong alike (common_m), a turn of their frame that "
-        f"moves every place on the ground by {moved} m horizontally, one sigma"
-    )
 
 
 def range_radio(design: Design) -> Radio | None:

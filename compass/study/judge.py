@@ -281,7 +281,8 @@ def judge_entries(
     seen = np.zeros((size, campaign.times.size, n), dtype=bool)
     clock = unknowns.clock_sigmas()
     roots = unknowns.roots(n, one_way=bool(np.isfinite(variances[:2]).any()))
-    d = campaign.gains.shape[3] + clock.size
+    motions, turns = campaign.gains.shape[3], 3 if unknowns.turn else 0
+    d = motions + turns + clock.size
     packed = d * (d + 1) // 2
     shares, sigma = np.zeros((size, n, packed)), np.empty((size, 1 + n, 2))
     sums, ends = np.zeros((size, 4, packed)), np.zeros((size, 6, d))
@@ -289,14 +290,15 @@ def judge_entries(
     sources, readings, kinds = _own_readings(scenario, campaign)
     dt = float(campaign.times[1])
     limb = Limb(figure.equatorial_radius, np.sin(mask.highest), np.cos(mask.highest))
-    ends[:, :, : d - clock.size] = campaign.gains[np.arange(size), campaign.stops]
+    ends[:, :, :motions] = campaign.gains[np.arange(size), campaign.stops]
 
     def work(part: slice) -> None:
         when = epochs[part, None] + NODE_STEP * np.arange(nodes)
         r, v = states_mci(constellation, when.ravel())
         flights = Flights(campaign.paths[part], campaign.gains[part], campaign.stops[part])
+        turned = turned_gains(flights.paths, flights.gains, unknowns.turn)
         information(
-            flights,
+            flights._replace(gains=turned),
             Receiver(dt, weights[part], variances, radio, dimmed[part], clock),
             Satellites(r, v, angles[part], campaign.model.omega, NODE_STEP, roots),
             limb,
@@ -323,6 +325,19 @@ def judge_entries(
         constellation, campaign, unknowns, epochs, seen, counts, total, shares, own[:, 0], sigma,
         ends, sums,
     )  # fmt: skip
+
+
+def turned_gains(paths: Array, gains: Array, turn: float) -> Array:
+    """Gains (m, t, 6, d) and behind them what turns of the satellites' frame do, (m, t, 6, d + 3).
+
+    Of one sigma about each axis; none for 0. Measured is how lander and satellites stand to each
+    other: satellites turned by w look as they do to one whose flight is turned by -w.
+    """
+    if not turn:
+        return gains
+    vectors = paths.reshape(*paths.shape[:2], 2, 1, 3)
+    turned = np.cross(vectors, turn * np.eye(3)).swapaxes(-1, -2)
+    return np.concatenate([gains, turned.reshape(*paths.shape[:2], 6, 3)], axis=-1)
 
 
 def _own_readings(scenario: Scenario, campaign: Campaign) -> tuple[Array, Array, NDArray[np.int64]]:

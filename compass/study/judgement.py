@@ -85,10 +85,10 @@ class Judgement:
     def budget(self) -> dict[str, float]:
         """Root mean square position error over the entries by its source, m; squares add up.
 
-        With K the posterior covariance of u: what the first state (and density, L/D and clock)
-        leave is ``K K`` in their components, noise leaves ``K N K``, satellites' errors
-        ``K B B^T K``, B their weight in the best gain. ``ignored`` is the whole for a gain that is
-        blind to the satellites' errors: the classical consider covariance.
+        With K the posterior covariance of u: what the first state (and density, L/D, clock and the
+        satellites' frame) leave is ``K K`` in their components, noise leaves ``K N K``, satellites'
+        errors ``K B B^T K``, B their weight in the best gain. ``ignored`` is the whole for a gain
+        that is blind to the satellites' errors: the classical consider covariance.
         """
         place, count = self.ends[:, :3], self.ends.shape[2]
         plain, spoilt, orbits, biases = np.moveaxis(unpacked(self.sums), 1, 0)
@@ -99,7 +99,8 @@ class Judgement:
             return float(np.sqrt(np.einsum("mai,mab,mbi->m", gain, matrix, gain).mean()))
 
         clock = self.unknowns.clock_sigmas().size
-        names = ["first state"] * 6 + self.campaign.unknown_names + ["receiver's clock"] * clock
+        names = ["first state"] * 6 + self.campaign.unknown_names
+        names += ["satellites' frame"] * int(self.turns.sum()) + ["receiver's clock"] * clock
         parts = {
             name: rms(np.broadcast_to(np.diag([float(n == name) for n in names]), plain.shape))
             for name in dict.fromkeys(names)
@@ -110,8 +111,18 @@ class Judgement:
         parts["satellites' orbits and clocks"] = rms(orbits)
         parts["biases of the ranges"] = rms(biases)
         parts["all"] = float(np.sqrt(np.mean(self.position_sigma**2)))
-        parts["ignored"] = rms(np.eye(count) + plain + own + spoilt, plain + own)
+        by_turns = plain * self.turns
+        spoilt = spoilt + by_turns @ np.swapaxes(by_turns, 1, 2)
+        blind = (plain + own) * ~self.turns * ~self.turns[:, None]
+        parts["ignored"] = rms(np.eye(count) + plain + own + spoilt, blind)
         return parts
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which components of u are turns of the satellites' frame, (d,)."""
+        last = self.ends.shape[2] - self.unknowns.clock_sigmas().size
+        places = np.arange(self.ends.shape[2])
+        return (places >= last - (3 if self.unknowns.turn else 0)) & (places < last)
 
     @property
     def known(self) -> dict[str, Any]:
@@ -125,7 +136,11 @@ class Judgement:
         }
 
     def _spectrum(self, information: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Eigenvalues, ascending, (m, d), and which entries leave a state open, (m,)."""
+        """Eigenvalues, ascending, (m, d), and which entries leave a state open, (m,).
+
+        As told to who knows the satellites' frame: no satellite tells of that.
+        """
+        information = information[:, ~self.turns][:, :, ~self.turns]
         spectrum, floor = spectrum_and_floor(information, self.campaign.longest)
         return spectrum, spectrum[:, 0] <= floor
 

@@ -27,6 +27,7 @@ from compass.study.judge import (
     due,
     ground_of,
     judge_entries,
+    turned_gains,
 )
 
 
@@ -98,6 +99,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     motion = np.sqrt(MARS_GM.value / radius**3)
     days, _ = closing_days(motion[:, np.newaxis])
     begins = days[:, np.newaxis] * sidereal_day() * campaign.arrivals.phase
+    unknown = doubts_of(scenario, study.entry.doubts).of(study.signal, int(rows["satellites"][0]))
     sigma = np.empty((*begins.shape, 2))
     blind = np.empty(begins.shape, dtype=bool)
     counts = np.empty((rows.size, rows["satellites"].max(initial=0) + 1), dtype=np.int64)
@@ -109,7 +111,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         prime_meridian_angle(0.0, begins),
         Entries(
             campaign.paths,
-            campaign.gains,
+            turned_gains(campaign.paths, campaign.gains, unknown.turn),
             campaign.stops,
             campaign.arrival_probability * due(scenario, campaign.times),
         ),
@@ -117,7 +119,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         campaign.model.omega,
         float(campaign.times[1]),
         Limb(sphere, np.sin(mask), np.cos(mask)),
-        _not_known(study, rows),
+        NotKnown(unknown.clock_sigmas(), _roots(study, rows), 3 if unknown.turn else 0),
         sigma,
         blind,
         counts,
@@ -132,8 +134,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     return _worked_out(study, found)
 
 
-def _not_known(study: Study, rows: NDArray) -> NotKnown:
-    """What landers of a study do not know with each candidate: of its satellites the roots.
+def _roots(study: Study, rows: NDArray) -> NDArray:
+    """Roots of what landers of a study do not know of each candidate's satellites.
 
     A clock and a bias do the same to a range one way, so their variances are one.
     """
@@ -144,7 +146,6 @@ def _not_known(study: Study, rows: NDArray) -> NotKnown:
     for n in np.unique(sizes):
         covariances[sizes == n, :n] = doubts.of(study.signal, n).satellites
     covariances[..., 3, 3] += doubts.range_bias_m**2
-    clock = doubts.of(None, 0).clock_sigmas()
     if not covariances.any():
-        return NotKnown(clock, np.zeros((*covariances.shape[:3], 0)))
-    return NotKnown(clock, covariance_roots(covariances))
+        return np.zeros((*covariances.shape[:3], 0))
+    return covariance_roots(covariances)

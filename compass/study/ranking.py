@@ -19,7 +19,6 @@ from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.quantities.draws import percentiles
 from compass.quantities.percentile import percentile
-from compass.signal.budget import shared_left_out
 from compass.sites import Site
 from compass.study.certified import certified_areas
 from compass.study.judge import (
@@ -184,13 +183,7 @@ def rank_designs(
         "ground": [] if ground is None else list(ground.names),
         **air,
         "doubts": asdict(doubts),
-        "counted": doubts.sentence(
-            {
-                d.name: shared_left_out(d.signal, d.figure.equatorial_radius)
-                for d in designs
-                if d.signal is not None
-            }
-        )
+        "counted": doubts.sentence([d.name for d in designs if d.signal is not None])
         + measured_words(scenario.measurements)
         + dispersed_words(scenario.dispersion)
         + guided_words(campaign),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE
-from compass.core.entry.measure import BIAS, CLOCK, PLACES, ideal_values, measured
+from compass.core.entry.measure import BIAS, CLOCK, FRAME, PLACES, ideal_values, measured
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
@@ -34,14 +34,17 @@ PARTS = (
     Part("attitude", (1e-3,) * 3),
     Part("gyro", (1e-6,) * 3, walk=1e-5),
 )
-LAYOUT = Layout(PARTS, 2)
+LAYOUT = Layout((*PARTS, Part("frame", (1e-3,) * 3, told=(False, True))), 2)
 NUMBERS = range(ACCELERATION + 3)
 BANK = 0.7
 
 
 @pytest.mark.parametrize("kind", NUMBERS)
 def test_rows_are_the_derivatives_of_what_is_predicted(kind, world):
-    """Against central differences at a state with clocks, biases and turned axes, 30 km up."""
+    """Against central differences at a state with clocks, biases and turned axes, 30 km up.
+
+    The source's frame is turned too.
+    """
     rng, p = np.random.default_rng(kind), world().flight_parameters()
     up = rng.normal(size=3)
     x = np.concatenate(
@@ -52,7 +55,7 @@ def test_rows_are_the_derivatives_of_what_is_predicted(kind, world):
         ]
     )
     x[6:8] *= 0.1
-    x[-6:] *= 1e-3
+    x[-9:] *= 1e-3
     source = np.concatenate([rng.normal(size=3) * 2e7, rng.normal(size=3) * 1e3])
     places, row = LAYOUT.numbers(), np.zeros(LAYOUT.size)
 
@@ -86,7 +89,10 @@ def test_what_enters_a_kind_and_what_does_not(world):
     assert rows[RANGE][places[BIAS]] == rows[ECHO][places[BIAS]] == 1.0
     assert values[RANGE] - values[ECHO] == pytest.approx(x[places[CLOCK]])
     assert values[HEIGHT] == pytest.approx(np.sqrt(14.0))
-    assert len(places) == PLACES
+    # the other beacon is told in a frame that may be turned, this one is not
+    at = places[FRAME]
+    assert not any(row[at : at + 3].any() for row in rows.values())
+    assert len(places) == PLACES + 2 and LAYOUT.estimated == LAYOUT.size
 
 
 @pytest.fixture(scope="module")
@@ -171,6 +177,16 @@ def test_every_instrument_is_worth_something(case):
     two_way = Measurements(None, None, instruments=(Instrument("two_way_range", 50.0),))
     np.testing.assert_allclose(end(two_way, clock), end(Measurements(50.0)), rtol=1e-9)
     assert end(Measurements(50.0), clock)[0] > end(two_way, clock)[0]
+
+
+def test_biases_are_of_beacons_alone_where_features_are_seen_too(case):
+    """A truth without biases asks for none of sources that have no range."""
+    model, flight, beacons, features = case
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+    heard = Measurements(50.0, instruments=(Instrument("features", 1e-3),), features=features)
+    settings = Filter(PRIOR, np.zeros(6), parts=(Part("bias", (10.0,)),))
+    mc = run_monte_carlo(model, flight, beacons, taken, heard, settings, runs=2)
+    assert consistency(mc.nees_all, flight.times, mc.estimated, mc.diverged).holds
 
 
 @pytest.mark.slow

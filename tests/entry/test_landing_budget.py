@@ -21,6 +21,9 @@ GM, RADIUS, OMEGA = 4.282829e13, 3397.2e3, 7.088218e-5
 
 #: Radial, along, cross, clock, m.
 SIGMAS = np.array([20.0, 80.0, 50.0, 30.0])
+#: Turn of the frame that satellites share, about each axis, rad: 1 arcsecond, 16 m on the ground.
+TURN = 4.8e-6
+
 RADIO = Measurements(5.0, 0.05, 20.0)
 LANDER = Filter(axes_covariance(1000.0, 0.5), np.zeros(6))
 
@@ -59,11 +62,12 @@ def test_squares_of_all_shares_add_up_whatever_is_not_known(flight, satellites):
         Part("bias", (2.0,)),
     )
     lander = Filter(LANDER.covariance0, np.full(6, 1e-9), parts=parts)
-    found = landed(flight, both, lander, satellites=errors)
+    turns = np.concatenate([np.zeros(2), np.full(satellites.size, TURN)])
+    found = landed(flight, both, lander, satellites=errors, turns=turns)
     whole = found.accuracy.knowledge.along_cross_down
     assert {share.name for share in found.budget} == {
         "first state", "process noise", "density", "lift-to-drag ratio", "receiver's clock",
-        "satellites' orbits", "satellites' clocks", "biases of the ranges",
+        "satellites' orbits", "satellites' clocks", "satellites' frame", "biases of the ranges",
         "noise of the ranges", "noise of the range rates",
     }  # fmt: skip
     squares = np.sum([share.along_cross_down**2 for share in found.budget], axis=0)
@@ -94,6 +98,59 @@ def test_what_is_known_exactly_is_not_counted(flight, satellites):
     assert not any("satellites" in share.name for share in none.budget)
 
 
+def turned_by(vector):
+    """Of turns by w: columns of ``w x v``."""
+    return np.cross(np.eye(3), vector).T
+
+
+def test_a_turn_of_the_frame_moves_the_lander_with_its_satellites(flight, satellites):
+    """Its covariance is that of a frame that stands still, and of ``w x r`` beside it.
+
+    To what the first state, known to 1 km and 0.5 m/s, tells of the frame: the 16 m of the turn
+    against 1 km, 3e-4; and to the Coriolis acceleration of a flight that is turned against Mars's
+    axis, ``omega v t^2 / R = 7e-3``.
+    """
+    errors = errors_of(satellites)
+    turns = np.full(satellites.size, TURN)
+    still = landed(flight, satellites, satellites=errors)
+    turned = landed(flight, satellites, satellites=errors, turns=turns)
+    added = turned.bound.covariance[-1, :3, :3] - still.bound.covariance[-1, :3, :3]
+    moved = TURN * turned_by(flight.path[-1, :3])
+    wanted = moved @ moved.T
+    assert np.trace(wanted) == pytest.approx(2 * (TURN * np.linalg.norm(flight.path[-1, :3])) ** 2)
+    np.testing.assert_allclose(added, wanted, rtol=0, atol=8e-3 * np.trace(wanted))
+    # over the place east and north alike, and not up
+    at = still.accuracy.knowledge, turned.accuracy.knowledge
+    along, across, _ = at[1].along_cross_down ** 2 - at[0].along_cross_down ** 2
+    assert along == pytest.approx(np.trace(wanted) / 2, rel=8e-3)
+    assert across == pytest.approx(np.trace(wanted) / 2, rel=8e-3)
+    assert at[1].cep > at[0].cep and at[1].ellipse.semi_major > at[0].ellipse.semi_major
+    share = next(s for s in turned.budget if s.name == "satellites' frame")
+    assert np.sum(share.along_cross_down**2) == pytest.approx(np.trace(wanted), rel=8e-3)
+
+
+def test_who_hears_beacons_on_the_ground_as_well_knows_more_of_the_frame(flight, satellites):
+    lat, lon = np.radians([[-28.0, -90.0], [-26.0, -80.0], [-30.0, -85.0]]).T
+    both = surface_beacons(lat, lon, flight.times, planet_radius=RADIUS).with_others(satellites)
+
+    def shared(first):
+        turns = np.full(both.size, 10 * TURN)
+        turns[:first] = 0.0
+        found = landed(flight, both, turns=turns)
+        return next(s.sigma for s in found.budget if s.name == "satellites' frame")
+
+    assert shared(3) < 0.2 * shared(0)
+
+
+def test_a_filter_of_information_estimates_the_frame(flight, satellites):
+    turns = np.full(satellites.size, TURN)
+    lander = replace(LANDER, method="information")
+    made = with_satellites(lander, None, satellites, flight.path, OMEGA, turns=turns).settings
+    assert [part.considered for part in made.parts] == [False]
+    plain = with_satellites(LANDER, None, satellites, flight.path, OMEGA, turns=turns).settings
+    assert [part.considered for part in plain.parts] == [True]
+
+
 def test_clocks_of_satellites_do_not_enter_what_is_measured_both_ways(flight, satellites):
     errors = errors_of(satellites, [0, 0, 0, 30.0])
     found = with_satellites(LANDER, errors, satellites, flight.path, OMEGA, one_way=False)
@@ -113,10 +170,13 @@ def test_an_orbit_and_a_clock_that_make_up_for_each_other_are_one_source(flight,
 
 @pytest.mark.slow
 def test_satellites_that_are_not_where_they_say_leave_the_claimed_errors(flight, satellites):
-    """Ranges of displaced satellites, drawn: nothing of the filter's own model of them is used."""
-    rng, runs = np.random.default_rng(5), 200
-    errors = errors_of(satellites)
-    settings = with_satellites(LANDER, errors, satellites, flight.path, OMEGA).settings
+    """Ranges of displaced satellites, drawn: nothing of the filter's own model of them is used.
+
+    All are turned alike besides, so far that it counts most.
+    """
+    rng, runs, turn = np.random.default_rng(5), 200, 5 * TURN
+    errors, turns = errors_of(satellites), np.full(satellites.size, turn)
+    settings = with_satellites(LANDER, errors, satellites, flight.path, OMEGA, turns=turns).settings
     measured = Measurements(5.0, None, 20.0)
     taken = in_view(satellites, flight.states, RADIUS)
     up = satellites.r / np.linalg.norm(satellites.r, axis=2, keepdims=True)
@@ -126,7 +186,9 @@ def test_satellites_that_are_not_where_they_say_leave_the_claimed_errors(flight,
     squares = []
     for _ in range(runs):
         drawn = rng.standard_normal((satellites.size, 4)) * SIGMAS
-        true = replace(satellites, r=satellites.r + np.einsum("tnij,nj->tni", axes, drawn[:, :3]))
+        off = np.einsum("tnij,nj->tni", axes, drawn[:, :3])
+        off += np.cross(turn * rng.standard_normal(3), satellites.r)
+        true = replace(satellites, r=satellites.r + off)
         z = ideal_measurements(flight.path, true)
         z[..., 0] += drawn[:, 3] + 5.0 * rng.standard_normal(z.shape[:2])
         first = flight.path[0] + np.repeat([1000.0, 0.5], 3) * rng.standard_normal(6)

@@ -23,7 +23,6 @@ from compass.inputs.scenario import read_scenario_text
 from compass.orbits import keplerian, states_mci, walker_delta
 from compass.quantities.draws import quantile_bounds
 from compass.ranging import Signal
-from compass.signal.budget import shared_left_out
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
@@ -377,13 +376,15 @@ def test_bound_with_uncertain_parameters_is_that_of_least_squares(scenario, five
         assert found.sigma[m, 0] == pytest.approx(sigma, rel=1e-9)
 
 
-DOUBTFUL = Unknowns((3e3, 0.3), np.diag([4.0, 64.0, 25.0, 9.0]), 1.5)
+DOUBTFUL = Unknowns((3e3, 0.3), np.diag([4.0, 64.0, 25.0, 9.0]), 1.5, 3e-6)
+STILL = replace(DOUBTFUL, turn=0.0)
 
 
 def stacked(found, m, scenario):
     """Rows of all measurements of an entry on u and on every satellite's whitened errors.
 
-    By NumPy and exact orbits; what an error does to range and rate by moving the satellite.
+    By NumPy and exact orbits; what an error does to range and rate by moving the satellite, as a
+    turn of all of them does.
     """
     campaign, sigmas = found.campaign, scenario.measurements
     beacons, t = entry_beacons(found, m), campaign.times
@@ -408,17 +409,21 @@ def stacked(found, m, scenario):
         n = line / distance
         across = (w - (w * n).sum(axis=1, keepdims=True) * n) / distance
         gains = campaign.gains[m]
+        whole = DOUBTFUL.turn * np.stack(
+            [np.cross(np.eye(3), x[:, i, None]).swapaxes(1, 2) for x in (beacons.r, beacons.v)]
+        )
         both = (
             (sigmas.range_sigma, np.einsum("ti,tij->tj", n, gains[:, :3]), one, t,
-             -np.einsum("ti,tij->tj", n, shift), one),
+             -np.einsum("ti,tij->tj", n, shift), one, -np.einsum("ti,tij->tj", n, whole[0])),
             (sigmas.rate_sigma, np.einsum("ti,tij->tj", across, gains[:, :3])
              + np.einsum("ti,tij->tj", n, gains[:, 3:]), none, one,
-             -np.einsum("ti,tij->tj", across, shift) - np.einsum("ti,tij->tj", n, speed), none),
+             -np.einsum("ti,tij->tj", across, shift) - np.einsum("ti,tij->tj", n, speed), none,
+             -np.einsum("ti,tij->tj", across, whole[0]) - np.einsum("ti,tij->tj", n, whole[1])),
         )  # fmt: skip
-        for sigma, h, clock, drift, moved, constant in both:
+        for sigma, h, clock, drift, moved, constant, turned in both:
             if sigma is None:
                 continue
-            u = np.column_stack([h, 3e3 * clock, 0.3 * drift])
+            u = np.column_stack([h, turned, 3e3 * clock, 0.3 * drift])
             p = np.zeros((t.size, 5 * c.size))
             p[:, 5 * i : 5 * i + 3] = moved * [2.0, 8.0, 5.0]
             p[:, 5 * i + 3], p[:, 5 * i + 4] = 3.0 * constant, 1.5 * constant
@@ -444,20 +449,23 @@ def test_what_is_not_known_of_clocks_and_satellites(short, five, kind):
         whole = np.concatenate([h, g], axis=1)
         covariance = np.linalg.inv(np.eye(whole.shape[1]) + whole.T @ whole)[:d, :d]
         place_of = np.zeros((6, d))
-        place_of[:, : d - 2] = campaign.gains[m, -1]
+        place_of[:, : d - 5] = campaign.gains[m, -1]
         spread = np.diag(place_of @ covariance @ place_of.T)
         # the errors' rates by differences of 2 s: 1e-8 of the satellites' motion
         assert found.sigma[m, 0] == pytest.approx(
             np.sqrt([spread[:3].sum(), spread[3:].sum()]), rel=1e-6
         )
-        blind = np.linalg.inv(np.eye(d) + h.T @ h)
+        frame = np.arange(d - 5, d - 2)
+        g, h = np.concatenate([g, h[:, frame]], axis=1), np.delete(h, frame, axis=1)
+        seen_by = np.delete(place_of, frame, axis=1)
+        blind = np.linalg.inv(np.eye(d - 3) + h.T @ h)
         spoilt = blind + blind @ (h.T @ g @ g.T @ h) @ blind
-        squares.append(np.trace((place_of @ spoilt @ place_of.T)[:3, :3]))
+        squares.append(np.trace((seen_by @ spoilt @ seen_by.T)[:3, :3]))
     budget = found.budget()
     assert budget["ignored"] == pytest.approx(np.sqrt(np.mean(squares)), rel=1e-6)
     ignored, whole = budget.pop("ignored"), budget.pop("all")
     assert list(budget) == [
-        "first state", "density", "receiver's clock", "noise of the ranges",
+        "first state", "density", "satellites' frame", "receiver's clock", "noise of the ranges",
         "satellites' orbits and clocks", "biases of the ranges",
     ]  # fmt: skip
     assert sum(value**2 for value in budget.values()) == pytest.approx(whole**2, rel=1e-9)
@@ -468,6 +476,10 @@ def test_what_is_not_known_of_clocks_and_satellites(short, five, kind):
     known = judge_entries(five, campaign, scenario, figure=FIGURE, mask=Mask())
     assert np.all(found.sigma[:, :, 0] > known.sigma[:, :, 0])
     assert known.budget()["satellites' orbits and clocks"] == 0
+    # no satellite tells of the frame: what is open is asked as if it stood still
+    still = judge_entries(five, campaign, scenario, **place | {"unknowns": STILL})
+    assert found.known["blind"].tolist() == still.known["blind"].tolist()
+    assert np.all(found.sigma[:, :, 0] > still.sigma[:, :, 0])
 
 
 def test_the_filter_knows_what_it_does_not_know(short, five):
@@ -489,12 +501,14 @@ def test_doubts_are_said_and_taken_from_a_design(seed_design):
     own = doubts.of(signal, seed_design.constellation.size)
     assert own.satellites.shape == (15, 4, 4)
     assert np.diag(own.satellites[7]) == pytest.approx([1, 4, 9, 0.25])
-    assert "orbits and clocks of x by its own table [signal]" in doubts.sentence({"x": ""})
-    left_out = doubts.sentence(
-        {"x": shared_left_out(replace(signal, common_orientation=1e-6), 3e6)}
-    )
-    assert left_out.endswith("moves every place on the ground by 4.24 m horizontally, one sigma.")
-    assert "clock that agrees" in NO_DOUBTS.sentence({})
+    told = "orbits, clocks and what they have wrong alike of x by its own table [signal]."
+    assert doubts.sentence(["x"]).endswith(told)
+    assert "clock that agrees" in NO_DOUBTS.sentence([])
+    # what all have wrong alike: a turn, and a time by which a clock of the lander's own is off
+    alike = replace(signal, common_orientation=1e-6, common_time=4e4)
+    assert (own.turn, own.clock) == (0.0, (3e4, 0.3))
+    assert (doubts.of(alike, 15).turn, doubts.of(alike, 15).clock) == (1e-6, (5e4, 0.3))
+    assert NO_DOUBTS.of(alike, 15).clock == (0.0, 0.0)
     for bad, message in (
         ({"clock_m": -1.0}, "clock_m = -1"),
         ({"clock_m": 0.0}, "give both"),

@@ -16,6 +16,7 @@ from compass.inputs.study import EntryStage, read_study_text
 from compass.orbits import positions_mci
 from compass.quantities.merits import median_number
 from compass.quantities.percentile import percentile
+from compass.ranging import Signal
 from compass.sites import Mask
 from compass.study.candidates import ROW, make_constellation
 from compass.study.judge import judge
@@ -179,6 +180,23 @@ def test_nearest_rank_is_the_smallest_that_suffices(size, percent):
     assert np.array_equal(percentile(table.T, percent, axis=0), percentile(table, percent, axis=1))
 
 
+@pytest.mark.parametrize("doubts", [NO_DOUBTS, Doubts()], ids=["alone", "beside-clocks"])
+def test_a_frame_that_is_turned(short, doubts):
+    """As the judge counts it; of ranges worth metres it is all that counts, wherever one lands."""
+    s = replace(
+        entry(short(("range_sigma_m = 50", BOTH)), 2, goal=300.0, doubts=doubts),
+        signal=Signal(ephemeris=(1.0, 2.0, 3.0), common_orientation=1e-5),
+    )
+    found = assert_as_judged_one_by_one(s, ROWS[:2])
+    still = replace(s, signal=replace(s.signal, common_orientation=0.0))
+    known = entry_figures(still, ROWS[:2])["crlb_position_m.p50"]
+    # the turn at some 3.43e6 m on two axes, but for what the first state tells of it: 55 mm/s of
+    # the 0.5 m/s to which its speed is known, a hundredth
+    added = found["crlb_position_m.p50"] ** 2 - known**2
+    assert added == pytest.approx([2 * 34.3**2] * 2, rel=0.02)
+    assert not found["unobservable_share"].any()
+
+
 def test_worst_zone_passes_over_no_zone():
     rng = np.random.default_rng(0)
     for rows in (1, 2, 5, 6):
@@ -209,7 +227,7 @@ def assert_as_judged_one_by_one(s, rows):
             make_constellation(row), s.entry.scenario, samples=s.entry.samples, seed=s.seed,
             figure=s.figure, mask=Mask.constant(np.radians(row["mask_deg"])), goal=s.entry.goal,
             density_sigma=s.entry.density_sigma, lift_sigma=s.entry.lift_sigma,
-            unknowns=s.entry.doubts.of(None, int(row["satellites"])),
+            unknowns=s.entry.doubts.of(s.signal, int(row["satellites"])),
         )  # fmt: skip
         for name, values in found.items():
             value = wanted

@@ -12,11 +12,12 @@ from compass.core.entry.flow import bank_at
 from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
 from compass.core.entry.rates import DRAG, WINDS, World, log_density, through_air, wind_gradient
 from compass.core.entry.rates import LIFT as RATIO
-from compass.core.jit import fast_kernel, kernel
+from compass.core.jit import fast_kernel, inline_kernel, kernel
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
-#: state of each further block, -1 where it is left out.
-ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, GYRO, PLACES = range(9)
+#: state of each further block, -1 where it is left out; where there is a `FRAME`, behind them a
+#: number for each beacon, whether its place is told in that frame.
+ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, GYRO, FRAME, PLACES = range(10)
 
 #: Accelerometers: along the velocity through the air, to the side and across it.
 AXES = 3
@@ -56,6 +57,9 @@ def measured(kind, x, source, number, places, p, angle, row):
     drift c' (m/s), of one-way kinds alone, and the bias o of this beacon's ranges, where they are
     states; ``dR/dr = n``, ``dR'/dr = (I - n n^T)(v - b')/R``, ``dR'/dv = n``. Height: ``|r|``.
 
+    Satellites whose frame is turned by the small angles w, where they are states, are at
+    ``b + w x b``, and so is their velocity turned.
+
     Directions ``n = (b - r)/|b - r|`` and velocities ``v - b'`` are read in axes off by the small
     angles f, where they are states: ``n - f x n``. Of a direction all three components are given,
     each with the noise of an angle: the one along n tells nothing, for its row is zero there.
@@ -84,7 +88,16 @@ def measured(kind, x, source, number, places, p, angle, row):
         distance = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
         row[0], row[1], row[2] = x[0] / distance, x[1] / distance, x[2] / distance
         return distance
-    dx, dy, dz = x[0] - source[0], x[1] - source[1], x[2] - source[2]
+    sx, sy, sz, ux, uy, uz = source[0], source[1], source[2], source[3], source[4], source[5]
+    frame, turned = places[FRAME], False
+    if frame >= 0:
+        turned = places[PLACES + number] > 0
+        row[frame : frame + 3] = 0.0  # another beacon's
+    if turned:
+        a, b, c = x[frame], x[frame + 1], x[frame + 2]
+        sx, sy, sz = sx + b * sz - c * sy, sy + c * sx - a * sz, sz + a * sy - b * sx
+        ux, uy, uz = ux + b * uz - c * uy, uy + c * ux - a * uz, uz + a * uy - b * ux
+    dx, dy, dz = x[0] - sx, x[1] - sy, x[2] - sz
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
     nx, ny, nz = dx / distance, dy / distance, dz / distance
     if kind in (RANGE, ECHO):
@@ -97,17 +110,30 @@ def measured(kind, x, source, number, places, p, angle, row):
         if places[BIAS] >= 0:
             distance += x[places[BIAS] + number]
             row[places[BIAS] + number] = 1.0
+        if turned:
+            _add_turn(row, frame, source[:3], nx, ny, nz)
         return distance
-    wx, wy, wz = x[3] - source[3], x[4] - source[4], x[5] - source[5]
+    wx, wy, wz = x[3] - ux, x[4] - uy, x[5] - uz
     rate = nx * wx + ny * wy + nz * wz
     row[3], row[4], row[5] = nx, ny, nz
     row[0] = (wx - rate * nx) / distance
     row[1] = (wy - rate * ny) / distance
     row[2] = (wz - rate * nz) / distance
+    if turned:
+        _add_turn(row, frame, source[:3], row[0], row[1], row[2])
+        _add_turn(row, frame, source[3:], nx, ny, nz)
     if kind == RATE and places[CLOCK] >= 0:
         rate += x[places[CLOCK] + 1]
         row[places[CLOCK] + 1] = 1.0
     return rate
+
+
+@inline_kernel
+def _add_turn(row, frame, v, x, y, z):
+    """Add what a turn of a vector v does to a number that falls along it by (x, y, z)."""
+    row[frame] -= v[1] * z - v[2] * y
+    row[frame + 1] -= v[2] * x - v[0] * z
+    row[frame + 2] -= v[0] * y - v[1] * x
 
 
 @fast_kernel

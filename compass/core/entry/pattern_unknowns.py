@@ -48,11 +48,13 @@ class NotKnown(NamedTuple):
     """Sigmas of the receiver's clock and drift, and roots of the satellites' errors.
 
     Shapes (2,), or (0,) for a clock that agrees; (c, n, WAYS, WAYS), or (c, n, WAYS, 0) for
-    satellites that are known.
+    satellites that are known. `turns`: how many of the last columns of the entries' gains are what
+    turns of the satellites' frame do to measurements, and not to the lander.
     """
 
     clock: NDArray[np.float64]
     roots: NDArray[np.float64]
+    turns: int
 
 
 @fast_kernel

@@ -99,7 +99,7 @@ def judge_patterns(
     star, satellites, planes, phasing, inclination = patterns
     paths, gains, stops, weights = entries
     sphere_radius, sin_mask, cos_mask = limb
-    own_clock, roots = unknown
+    own_clock, roots, turns = unknown
     size, motions, most = satellites.size, gains.shape[3], satellites.max()
     d = motions + own_clock.size
     doubted, erring = d > motions or roots.shape[3] > 0, roots.shape[3] > 0
@@ -155,11 +155,11 @@ def judge_patterns(
                 _inform(tile, gain, packed[c])
                 if d > motions:
                     add_clock(tile, gain, own_clock, packed[c])
-        end[:, :motions] = gains[m, stops[m]]
+        end[:, : motions - turns] = gains[m, stops[m], :, : motions - turns]
         for c in range(size):
             for s in range(satellites[c] if erring else 0):
                 take_satellite_out(told[c, s], own[c, s], roots[c, s], packed[c])
-            blind[c, m] = _is_blind(packed[c], stops.max() + 1, low)
+            blind[c, m] = _is_blind(packed[c], stops.max() + 1, motions, turns, low)
             k = -1
             for a in range(d):
                 k += a + 1
@@ -243,20 +243,20 @@ def _inform(tile, gain, packed):
 
 
 @kernel
-def _is_blind(packed, terms, low):
-    """Whether the least eigenvalue cannot be told from 0.
+def _is_blind(packed, terms, stop, turns, low):
+    """Whether the least eigenvalue cannot be told from 0, but for `turns` of it before `stop`.
 
     A sum of `terms` positive semi-definite matrices is off by at most ``terms eps`` times its
     trace, the eigenvalues by about ``d eps`` of it more. All are above that floor exactly if the
     matrix less the floor has a Cholesky factor.
     """
-    d = low.shape[0]
-    trace, k = 0.0, 0
+    d = low.shape[0] - turns
+    part, trace = low[:d, :d], 0.0
     for a in range(d):
+        at = a if a < stop - turns else a + turns
         for b in range(a + 1):
-            low[a, b] = packed[k]
-            k += 1
-        trace += low[a, a]
+            part[a, b] = packed[at * (at + 1) // 2 + (b if b < stop - turns else b + turns)]
+        trace += part[a, a]
     for a in range(d):
-        low[a, a] -= (terms + d) * EPS * trace
-    return not cholesky(low, low)
+        part[a, a] -= (terms + d) * EPS * trace
+    return not cholesky(part, part)

@@ -8,7 +8,15 @@ from numpy.typing import NDArray
 
 from compass.core.entry.filter import filter_run
 from compass.core.entry.flow import advance
-from compass.core.entry.measure import AIR, ESTIMATED, LIFT, ideal_values, world_of
+from compass.core.entry.measure import (
+    AIR,
+    BIAS,
+    ESTIMATED,
+    FRAME,
+    LIFT,
+    ideal_values,
+    world_of,
+)
 from compass.core.entry.predict import rate_of
 from compass.core.jit import kernel
 from compass.core.smallmatrix import cholesky
@@ -116,7 +124,9 @@ def monte_carlo(
     start, difference = np.empty(size), np.empty(size)
     estimated, air, wanders = places[ESTIMATED], places[AIR], fade.min() < 1.0
     shaken = noise.shape[1] > 0 or walk.max() > 0.0
-    ideal_values(truth, sources, kinds, places, p, bank, times, ideal)
+    true_places = places.copy()  # in truth no range is biased and no frame turned
+    true_places[BIAS] = true_places[FRAME] = -1
+    ideal_values(truth, sources, kinds, true_places, p, bank, times, ideal)
     for m in range(runs):
         for i in range(size):
             start[i] = 0.0
@@ -127,7 +137,7 @@ def monte_carlo(
             start[air] = 0.0
         if shaken or wanders:
             true_flight(path, world, draws.shaken[m], truth)
-            ideal_values(truth, sources, kinds, places, p, bank, times, ideal)
+            ideal_values(truth, sources, kinds, true_places, p, bank, times, ideal)
         for i in range(6):
             start[i] += truth[0, i]
         for t in range(epochs):
