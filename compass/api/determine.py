@@ -48,6 +48,10 @@ EVIDENCE = (
 )
 
 
+#: By what share less tracking must know more for it to be said.
+NOTED = 0.01
+
+
 @dataclass(frozen=True, repr=False)
 class DetermineResult(Result):
     """How well every satellite's orbit and clock are known, and what each kind of tracking buys.
@@ -215,6 +219,7 @@ class DetermineResult(Result):
             "covariances hold it",
             _forces(t, self.radiation),
             *self._nearest(),
+            *self._worse(),
             "left out: errors of Mars's orientation and of the planets' places, the media, "
             f"manoeuvres, the field beyond degree {DEGREE}"
             + ("" if t.earth is None or t.earth.position else ", places of stations on the Earth"),
@@ -228,6 +233,24 @@ class DetermineResult(Result):
         if self.determination.tracking.crosslinks is None:
             return ()
         return (f"satellites nearer to each other than {NEAREST / 1e3:g} km are not linked",)
+
+    def _worse(self) -> tuple[str, ...]:
+        """Why less tracking knows more, where it does: gains correct nothing that is considered."""
+        whole = self.determination
+        better = [
+            f"{COMPONENTS[k]} {name}"
+            for name, run in self.by_tracking.items()
+            for k in range(4 if run.tracking.measures_clocks and self.clock_known else 3)
+            if run.tracking.kinds != whole.tracking.kinds
+            and run.rms[run.last, k] < (1.0 - NOTED) * whole.rms[whole.last, k]
+        ]
+        if not better:
+            return ()
+        return (
+            f"better known with less tracking: {listed(better)}; errors of trackers and of the "
+            "field are considered and never corrected, so that further measurements bring theirs "
+            "into the rest: a determination that estimated them would lose nothing by more data",
+        )
 
     def design_text(self) -> str:
         """Return the design's file with the table ``[signal]`` that this tracking implies."""

@@ -542,6 +542,20 @@ def test_what_no_tracking_can_be(make, message):
         make()
 
 
+def test_that_less_tracking_knows_more_is_explained():
+    """A second tracker off by a kilometre spoils what one without bias tells a gain blind to it."""
+    good = Tracker(range=1.0, time=1.0)
+    tracking = Tracking(
+        stations=good, earth=replace(good, bias=1e3), considered="blind", duration=10800.0
+    )
+    said = "better known with less tracking: radial without Earth"
+    spoilt = compass.determine(replace(design(3, 3), tracking=tracking), update_h=0.0)
+    assert said in " ".join(spoilt.notes()) and "considered and never corrected" in str(spoilt)
+    exact = replace(tracking, earth=good)
+    whole = compass.determine(replace(design(3, 3), tracking=exact), update_h=0.0)
+    assert "better known with less tracking" not in " ".join(whole.notes())
+
+
 def test_the_command_tells_sigmas_and_writes_the_signal(tmp_path):
     path = tmp_path / "d.toml"
     path.write_text(TEXT.format(text=RICH, more=f"[access]\nearth = true # kept\n{STATION}"))
