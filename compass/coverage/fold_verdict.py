@@ -25,6 +25,7 @@ from compass.coverage.standing import nth_elevation
 from compass.coverage.symmetry import unlike_subsets
 from compass.coverage.users import (
     Users,
+    by_horizon,
     centric,
     check_limb,
     geodetic,
@@ -166,11 +167,17 @@ def fold_verdict(
             if some.met is False:
                 return some
         return undecided(requirement, f"for ever, {design.motion.title}", MEETING)
-    users = users_of(design, requirement)
+    users = tuple(_out_of_beams(each, design) for each in users_of(design, requirement))
     if requirement.share < 1.0:
         cases = losses_of(design.constellation, requirement, users, course)
         return often(cases, users, requirement, course, effort)
     return _always(design.constellation, users, requirement, course, missed_share)
+
+
+def _out_of_beams(users: Users, design: Design) -> Users:
+    """Users without beams that reach whoever stands above their mask: no margin counts to them."""
+    seen = by_horizon(users, design.constellation, design.motion)
+    return seen if seen.mask == users.mask else users
 
 
 def losses_of(

@@ -414,6 +414,17 @@ def test_users_in_orbit_and_in_beams():
 
 
 @pytest.mark.slow
+def test_a_beam_that_reaches_the_limb_takes_nothing_from_a_margin():
+    """From 20000 km Mars and users up to 400 km over it fill less than 11 degrees."""
+    c = walker_delta(16, 8, 3, inclination_deg=50, radius_km=20000)
+    wanted = Requirement("up", regions=("lat:-60:60",), fold=4, mask=np.radians(-15), altitude=4e5)
+    wide, bare = (
+        verdict(Design(c, requirements=(replace(wanted, beam=beam),))).margin
+        for beam in (np.radians(12), None)
+    )
+    assert wide == bare > 0.1
+
+
 def test_four_in_view_are_implied_by_a_dilution_at_the_same_moments():
     """Not asked for again: their share and that of the dilution need not add their misses."""
     wanted = {"regions": "lat:-20:20", "mask_deg": 20, "share": 0.5, "pdop_at_most": 6}
