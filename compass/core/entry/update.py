@@ -106,6 +106,8 @@ def update(x, covariance, base, problem, t, z, variances, iterations, method):
                 absorb(row, residual, variance, places[ESTIMATED], gain, covariance, shift)
         if method == INFORMATION:
             informed(y, gain, covariance, shift)
+        if iterations == 1:
+            break
         change = 0.0
         for i in range(places[ESTIMATED]):
             square = prior[i, i]
