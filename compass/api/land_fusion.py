@@ -38,7 +38,8 @@ def fusion_words(fused: FusionRuns) -> tuple[str, ...]:
     said = [". ".join(capital(word) for word in words) + "."] if words else []
     vain = too_sure(fused)
     if vain:
-        said.insert(0, f"Not to be believed: {'; '.join(vain)}.")
+        told = "; ".join(f"{name}, {how}" for name, how in vain.items())
+        said.insert(0, f"Not to be believed: {told}.")
     if case.arrival is not None:
         beta, step = case.arrival[:, 0], case.times[1] - case.times[0]
         partial = (beta < 1) & (beta > 1.0001 * beta.min())
@@ -61,14 +62,14 @@ def fusion_words(fused: FusionRuns) -> tuple[str, ...]:
     return tuple(said)
 
 
-def too_sure(fused: FusionRuns) -> list[str]:
-    """Filters that claim too much where nothing is at fault; a cautious one claims what holds."""
+def too_sure(fused: FusionRuns) -> dict[str, str]:
+    """Filters that claim too much where nothing is at fault, and how; a cautious one does not."""
     alone = [kind.algorithm for kind in fused.plan.filters if _each_alone(kind.kind)]
-    return [
-        f"{name}, {how}{_ALONE if name in alone else ''}"
+    return {
+        name: f"{how}{_ALONE if name in alone else ''}"
         for name, data in fused.clear.items()
         if (how := _vain(data))
-    ]
+    }
 
 
 #: Why a filter without feedback strays.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from compass.core.entry.fused_runs import Drawn, Outcome, fused_runs
 from compass.core.entry.measure import AXES
 from compass.cores import cores
+from compass.document.numbers import significant
 from compass.entry.consistency import LOST, nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.fused import CLOCK, STATE_NAMES, STATE_UNITS, FusedFilter
@@ -198,8 +199,8 @@ def _when(case: InertialCase, settings: FusedFilter, out: Outcome, k: int) -> st
     """Say how run k was lost."""
     if out.ends[k] >= 0:
         return f"{settings.algorithm}: diverged at {case.times[out.ends[k]]:g} s"
-    times = np.sqrt(out.squares[k, -1] / settings.states)
-    return f"{settings.algorithm}: its error at the end is {times:.3g} times what it claims"
+    times = significant(float(np.sqrt(out.squares[k, -1] / settings.states)), 3)
+    return f"{settings.algorithm}: its error at the end is {times} times what it claims"
 
 
 def _sums(out: Outcome, up: Array, last: Array) -> dict[str, Array]:

@@ -5,6 +5,7 @@ from math import inf
 
 from compass.api.land import LandResult
 from compass.api.land_dispersed import distance_words
+from compass.api.land_fusion import too_sure
 from compass.api.land_tables import entry_tables
 from compass.api.land_words import delivered, findings
 from compass.api.outlook import glance, left_words
@@ -18,8 +19,9 @@ from compass.pages.answers import flown as what_flies
 from compass.pages.page import render
 from compass.pictures.ellipse import arrivals, landing_ellipse
 from compass.pictures.entry import entry_pictures
+from compass.study.fusion import FusionRuns
 from compass.units import KM
-from compass.words import counted
+from compass.words import counted, listed
 
 
 def landing_report(land_result: LandResult) -> tuple[str, tuple[Section, ...]]:
@@ -51,7 +53,8 @@ def landing_sections(land_result: LandResult) -> tuple[Section, ...]:
     consistency, *words = findings(scenario, flown)
     how = delivered(guided=scenario.guidance is not None)
     known, *rest = answers(flown, how)
-    rows = (known, *dispersed_answers(dispersed), *rest, *beacon_answers(scenario))
+    compared = fused_answers(land_result.fused)
+    rows = (known, *dispersed_answers(dispersed), *rest, *compared, *beacon_answers(scenario))
     to_scale = [] if flown.accuracy.anywhere else [landing_ellipse(flown.accuracy, how)]
     if dispersed is not None and dispersed.guided and dispersed.reached.any():
         to_scale.insert(0, arrivals(dispersed))
@@ -118,6 +121,15 @@ def dispersed_answers(runs: Dispersed | None) -> tuple[Answer, ...]:
     return (Answer(what, said, None, f"sampled, {count:,} dispersed entries"),)
 
 
+def fused_answers(fused: FusionRuns | None) -> tuple[Answer, ...]:
+    """Whether the filters that are compared claim no more than holds, if any are."""
+    if fused is None:
+        return ()
+    vain, runs = list(too_sure(fused)), next(iter(fused.clear.values())).attrs["runs"]
+    said = f"too sure: {listed(vain)}" if vain else "none is too sure"
+    return (Answer("Filters compared claim what holds", said, not vain, f"NEES of {runs} runs"),)
+
+
 def _those(drawn: dict[str, Picture], *names: str) -> Sequence[Picture]:
     return [picture for stem, picture in drawn.items() if stem.removeprefix("entry-") in names]
 
@@ -129,6 +141,7 @@ def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
     claim = flown.claim_m
     apart = ", ".join(significant(sigma, 3) for sigma in at.knowledge.along_cross_down)
     count = flown.seen.sum(axis=1)
+    seen = f"{count.min()}" if count.min() == count.max() else f"{count.min()} to {count.max()}"
     linear = "linear covariance"
     last = f"{significant(at.time, 4)} s"
     rows = [
@@ -171,7 +184,7 @@ def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
         ),
         Answer(
             "Beacons in view",
-            f"{count.min()} to {count.max()} of {flown.beacons.size}",
+            f"{seen} of {flown.beacons.size}",
             None,
             f"at {flown.flight.times.size} epochs",
         ),

@@ -1,5 +1,6 @@
 """The report's sections on entry: what they say is what was found."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -185,7 +186,7 @@ def test_a_landings_page_has_the_answer_first(coarse):
     assert "comes down within" in sections[0].paragraphs[0] and "compass land x" in page
     known = {row.question: row for row in answers(flown.assessment)}
     assert known["Errors are what the filter claims"].holds is flown.assessment.consistency.holds
-    assert known["Beacons in view"].written == "3 to 3 of 3"
+    assert known["Beacons in view"].written == "3 of 3"
     own = flown.assessment.consistency
     bad = replace(flown.assessment, consistency=replace(own, nees=own.nees + 99.0))
     assert bad.claim_m is None
@@ -232,3 +233,17 @@ def test_the_map_shows_where_entries_come_down(coarse):
         flown.accuracy.path[:3]
     )
     assert half == pytest.approx(flown.accuracy.delivery.ellipse.semi_major, rel=0.03)
+
+
+def test_filters_that_claim_too_much_are_told_in_the_first_lines(monkeypatch):
+    module = sys.modules["compass.pages.landing"]
+    data = SimpleNamespace(attrs={"runs": 300})
+    fused = SimpleNamespace(clear={"ekf": data, "dcifaif": data, "ci": data})
+    for vain, said in (
+        ({}, "none is too sure"),
+        ({"ekf": "whose errors", "ci": "whose runs"}, "too sure: ekf and ci"),
+    ):
+        monkeypatch.setattr(module, "too_sure", lambda _, vain=vain: vain)
+        (row,) = module.fused_answers(fused)
+        assert (row.written, row.holds, row.sure) == (said, not vain, "NEES of 300 runs")
+    assert module.fused_answers(None) == ()
