@@ -148,6 +148,9 @@ COMMANDS = {
         trade`; one with a table [vehicle] is a scenario of landing; all else is a design. The name
         of a source paper, as of `compass reproduce`, is a page of its numbers beside the computed
         ones.
+
+        The maps of a design's page are of users on the ground, as its caps, passes and stations
+        are; it shows those in orbit where a [[requirement]] with altitude_km asks for them.
         """,
     ),
     "reproduce": (

@@ -99,10 +99,11 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     motion = np.sqrt(MARS_GM.value / radius**3)
     days, _ = closing_days(motion[:, np.newaxis])
     begins = days[:, np.newaxis] * sidereal_day() * campaign.arrivals.phase
-    unknown = doubts_of(scenario, study.entry.doubts).of(study.signal, int(rows["satellites"][0]))
+    most = int(rows["satellites"].max(initial=0))
+    unknown = doubts_of(scenario, study.entry.doubts).of(study.signal, most)
     sigma = np.empty((*begins.shape, 2))
     blind = np.empty(begins.shape, dtype=bool)
-    counts = np.empty((rows.size, rows["satellites"].max(initial=0) + 1), dtype=np.int64)
+    counts = np.empty((rows.size, most + 1), dtype=np.int64)
     judge_patterns(
         patterns_of(rows),
         radius,
