@@ -165,7 +165,7 @@ OPTIONS: dict[str, Told] = {
         "A station beside the designs': planetocentric latitude, east longitude, mask; degrees.",
     ),
     "step_days": real("Between the moments that are listed."),
-    "store": path("Folder of the study's store; by default trades/NAME-OF-THE-FILE."),
+    "store": path("Folder of a study's store; by default trades/NAME-OF-THE-FILE."),
     "strict": flag("Exit with 1 if a filter is inconsistent."),
     "terrain": source("GeoTIFF or netCDF grid of heights.", required=True),
     "time_series": flag(
@@ -292,6 +292,9 @@ OPTIONS: dict[str, Told] = {
     "series.picture": output("PNG curve to draw."),
     "trade.budget_s": real(
         "Seconds of work after which the run ends; what the default leaves brings bounds nearer."
+    ),
+    "trade.store": path(
+        "Folder of the study's store; by default trades/NAME-OF-THE-FILE.", flags="-o --store"
     ),
     "trade.workers": whole("Processes on this machine; by default one a core."),
     "view.output": path("Page to write; by default views/NAME-OF-THE-FILE.html."),
