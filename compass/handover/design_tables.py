@@ -51,6 +51,11 @@ def _not_kept(design: Design) -> Iterator[str]:
             f"the gravity field {forces.field.name} is not in the file; write it as one and "
             "name that under motion.gravity_file"
         )
+    if lit := [site.name for site in design.beacons]:
+        yield (
+            f"beacons on the ground ({', '.join(lit)}) are not in the file; give them to the "
+            "commands that count them, as --beacon"
+        )
     named = {site.name: site for site in design.stations}
     for wanted in design.requirements:
         for site in wanted.sites:

@@ -436,7 +436,9 @@ def test_layouts_name_their_blocks():
     assert [layout.place(name) for name in ("position", "velocity", "clock", "bias", "air")] == [
         0, 3, 6, 8, -1,
     ]  # fmt: skip
-    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1, -1, -1]
+    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1, -1, -1, -1]
+    frame = Part("frame", (1e-6,) * 3, considered=True, told=(True, False))
+    assert Layout((frame,), 2).numbers().tolist() == [6, -1, -1, -1, -1, -1, -1, -1, 6, 1, 0]
     np.testing.assert_allclose(np.diag(layout.covariance(PRIOR))[6:], [9, 0.01] + [25] * 4)
     with pytest.raises(ArgumentError, match="block = 'wind': allowed position, velocity, air"):
         block("wind")

@@ -295,8 +295,12 @@ def test_every_table_is_kept():
         tried = {getattr(wanted, field.name) for wanted in design.requirements}
         assert tried - {getattr(bare, field.name)}, f"{field.name} of a requirement is not tried"
     known = {f.name for f in dataclasses.fields(compass.Design)}
-    assert known == {*KEPT, "constellation", "stations", "motion", "text", "label", "others"}
+    elsewhere = {"constellation", "stations", "motion", "text", "label", "others", "beacons"}
+    assert known == {*KEPT, *elsewhere}
     assert compass.export(design, format="toml").not_kept == ()
+    lit = dataclasses.replace(design, beacons=design.stations[:1])
+    (said,) = compass.export(lit, format="toml").not_kept
+    assert design.stations[0].name in said and "--beacon" in said
 
 
 def test_what_a_design_file_cannot_say_is_said():

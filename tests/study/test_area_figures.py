@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compass.api.trade import TradeResult
-from compass.coverage.areas import Area, Near
+from compass.coverage.areas import Area, Near, areas_of
 from compass.coverage.areas import area_figures as coverage_areas
 from compass.design import Design
 from compass.errors import DesignError
@@ -63,10 +63,11 @@ def test_figures_are_those_of_a_map_at_the_same_places(placed):
     c = replace(make_constellation(row[0]), repeat=(1, 1))
     mask = Mask.constant(float(np.radians(row[0]["mask_deg"])))
     design = Design(c, figure=study.figure, mask=mask, fold=1, stations=study.sites)
-    areas = coverage_areas(
-        design, sites=study.sites, regions=study.regions, fold=1, pdop_max=study.map.pdop_max,
-        error_max=30.0, span=(0.0, 1.0), near=Near(0.05, 0.3, 100_000),
+    asked = areas_of(
+        design, sites=study.sites, regions=study.regions, fold=1, span=(0.0, 1.0),
+        near=Near(0.05, 0.3, 100_000),
     )  # fmt: skip
+    areas = coverage_areas(asked, study.map.pdop_max, 30.0)
     for number, area in enumerate(areas, start=1):
         met, margin = (found[f"area_{number}_{part}"][0] for part in ("met", "margin_deg"))
         assert met == area.fold.met
