@@ -138,14 +138,16 @@ def _budget(dataset: "xr.Dataset", drawn: Drawn | None) -> dict[str, Any]:
     tail = 0.25 * (1.0 - CONFIDENCE)
     known = percentiles(made.range_error, (50,))
     sigma, (low, high) = known["p50"], quantile_bounds(made.range_error, 50, tail)
-    nearest = 1.0 / low if low > 0.0 else np.inf  # so few fixes leave no bound
+    # so few fixes leave no bound
+    nearest, farthest = 1.0 / low if low > 0.0 else np.inf, 1.0 / high
 
     def geometry(values: NDArray[np.float64]) -> dict[str, Any]:
         found: dict[str, Any] = {}
         for q in _percents(dataset):
             least, most = quantile_bounds(values, q, tail)
             found[f"p{q}"] = float(percentile(values, q)) / sigma
-            found[f"p{q}_interval"] = [max(least, 0.0) / high, most * nearest]
+            lower = least if least == np.inf else max(least, 0.0) * farthest
+            found[f"p{q}_interval"] = [lower, most * nearest]
         return found
 
     def parts(shares: NDArray[np.float64]) -> dict[str, Any]:

@@ -1,13 +1,16 @@
 """Parts of a fix's variance against error maps of a signal that has that part alone."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from compass.api.map_statistics import _budget
 from compass.coverage.drawn import drawn
 from compass.coverage.errors import ERRORS, error_map
-from compass.coverage.fix_budget import PARTS, fix_budget, variances_by_part
+from compass.coverage.fix_budget import PARTS, FixBudget, fix_budget, variances_by_part
 from compass.coverage.grid import make_grid
 from compass.coverage.moving import Mover, ranges_at, seen_along
 from compass.coverage.view import view
@@ -146,3 +149,16 @@ def test_a_budget_is_of_some_draws_and_changes_no_other_number(monkeypatch):
 def test_without_a_fix_there_are_no_parts():
     made = budget_of(design(WHOLE, satellites=3))
     assert made.range_error.size == 0 and made.of_fixes.shape == (0, 4, 5)
+
+
+def test_few_fixes_leave_bounds_of_geometry_open():
+    """Three fixes of a hundred: no range error is bounded from above, most errors are infinite."""
+    errors = np.full(100, np.inf)
+    errors[:3] = 20.0, 30.0, 40.0
+    made = FixBudget(np.array([4.0, 5.0, 6.0]), np.full((3, 5), 0.2), np.full((3, 4, 5), 0.2))
+    drawn = SimpleNamespace(budget=made, values=dict.fromkeys(ERRORS, errors))
+    dataset = xr.Dataset(coords={"global_percentile": [1, 50, 95]})
+    geometry = _budget(dataset, drawn)["fix_budget"]["error_position_m"]["geometry"]
+    assert geometry["p1"] == 4.0
+    assert geometry["p1_interval"] == [0.0, np.inf]
+    assert geometry["p50_interval"] == geometry["p95_interval"] == [np.inf, np.inf]

@@ -105,6 +105,7 @@ def test_closed_tracks_of_two_periods_count_together_at_the_place():
             assert np.degrees(found.margin) <= least + 1e-6
 
 
+@pytest.mark.slow
 def test_belts_of_two_periods_are_asked_over_all_of_their_rotations():
     """The joint share at the latitudes of a band, against random places and moments."""
     c = walker_delta(5, 5, 1, inclination_deg=25, orbit="areosynchronous") + walker_delta(
