@@ -44,6 +44,10 @@ _SENTENCES = {
 #: Intervals in which no cap moves more than this, radians, are not split further.
 TOLERANCE = 1e-9
 
+#: Likewise in a first look at all of the time: where the claim is all but broken intervals are
+#: split for long, and a moment that breaks it plainly may come after them.
+GLANCE = 1e-5
+
 #: Intervals to look at before giving up: a minute or so for 15 satellites.
 MAX_INTERVALS = 1_000_000
 
@@ -128,23 +132,26 @@ def prove_fold(
     _check(constellation, fold, sphere_radius, mask)
     span = span or shortest_span(constellation, region)
     figure = (sphere_radius, stretch)
-    outcome, nodes, unsettled, time, point, _ = _settle(
-        constellation, figure, mask, region, span, True, fold, tolerance, max_intervals, progress
-    )
-    if outcome == PROVEN:
-        return Certificate(Outcome.PROVEN, fold, span, region, nodes, tolerance)
-    witness = None
-    if outcome == REFUTED:
-        point = point / [1.0, 1.0, stretch]
-        point /= np.linalg.norm(point)
-        if region.mars_fixed:
-            point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
-        witness = find_witness(
-            constellation, sphere_radius, mask, fold, time, point, region, stretch
+    nodes, unsettled = 0, list[tuple[float, float]]()
+    for near in dict.fromkeys((max(GLANCE, tolerance), tolerance)):
+        left = max_intervals - nodes
+        outcome, looked, unsettled, time, point, _ = _settle(
+            constellation, figure, mask, region, span, True, fold, near, left, progress
         )
-        if witness:
-            return Certificate(Outcome.REFUTED, fold, span, region, nodes, tolerance, witness)
-        unsettled = [(time, time)]
+        nodes += looked
+        if outcome == PROVEN:
+            return Certificate(Outcome.PROVEN, fold, span, region, nodes, tolerance)
+        if outcome == REFUTED:
+            point = point / [1.0, 1.0, stretch]
+            point /= np.linalg.norm(point)
+            if region.mars_fixed:
+                point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
+            witness = find_witness(
+                constellation, sphere_radius, mask, fold, time, point, region, stretch
+            )
+            if witness:
+                return Certificate(Outcome.REFUTED, fold, span, region, nodes, tolerance, witness)
+            unsettled = [(time, time)]
     kept = tuple(unsettled)
     return Certificate(Outcome.UNDECIDED, fold, span, region, nodes, tolerance, None, kept)
 
