@@ -15,6 +15,7 @@ from compass.contacts.gaps import ages, gap_statistics
 from compass.contacts.spans import at_least, fewest
 from compass.contacts.survey import survey
 from compass.conventions import dated, epoch_text
+from compass.coverage.beacon_verdict import heard
 from compass.coverage.errors import ERRORS
 from compass.coverage.moving import Mover, errors_along, in_orbit, on_route, standing
 from compass.coverage.site import site_coverage
@@ -117,7 +118,7 @@ def series(
         whole = np.array([[0.0, duration]])
         for site in sites:
             seen = [w.spans for w in found.of(site.name)]
-            seen += [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)]
+            seen += [whole for _ in heard(site, site.mask, lit)]
             covered[site.name] = at_least(wanted, seen)
             least[site.name] = fewest(seen, duration)
     gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
@@ -260,11 +261,6 @@ def _errors(
     return dated(found, "time")
 
 
-def _heard(site: Site, beacons: Sequence[Site]) -> list[Site]:
-    """Beacons that are not where the site itself is: farther off than a metre."""
-    return [one for one in beacons if np.linalg.norm(one.r_mcmf - site.r_mcmf) > 1.0]
-
-
 def _dataset(
     design: Design, times: np.ndarray, motion: Any, beacons: Sequence[Site]
 ) -> "xr.Dataset":
@@ -274,7 +270,7 @@ def _dataset(
     # without stations one place still gives the coordinates and attributes
     places = design.stations or (Site("", 0.0, 0.0, figure=design.figure),)
     seen = [
-        site_coverage(design.constellation, site, times, motion, _heard(site, beacons))
+        site_coverage(design.constellation, site, times, motion, heard(site, site.mask, beacons))
         for site in places
     ]
     found = list(NAMES[:-1])

@@ -30,7 +30,7 @@ def heard(site: Site, mask: Mask, beacons: Sequence[Site]) -> list[Site]:
     ]
 
 
-def with_beacons(
+def verdict_with_beacons(
     design: Design,
     requirement: Requirement,
     alone: Callable[[Requirement], Verdict],

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from compass.allowed import check_all_allowed
-from compass.coverage.beacon_verdict import sampled_at_sites, with_beacons
+from compass.coverage.beacon_verdict import sampled_at_sites, verdict_with_beacons
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import course_of, fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
@@ -58,7 +58,7 @@ def verdict_of(
         asked: dict[str, Any] = {"days": days, "start_day": start_day}
         rest: dict[str, Any] = {"effort": effort, "thorough": thorough}
         bare = replace(design, beacons=())
-        return with_beacons(
+        return verdict_with_beacons(
             design,
             requirement,
             lambda part: verdict_of(bare, part, **asked, **rest),
